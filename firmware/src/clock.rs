@@ -6,7 +6,7 @@
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 
-/// Of the processor, per microsecond.
+/// Clock cycles of the processor per microsecond.
 const CYCLES_PER_US: u32 = 125;
 
 /// The counter has 24 bits, which last 134 ms.
@@ -44,7 +44,7 @@ impl Clocks {
         if passed_us > LONGEST_US {
             return true;
         }
-        // It counts down.
+        // The counter counts down.
         let cycles = before.cycles.wrapping_sub(self.cycles) & COUNTER;
         let expected = passed_us * CYCLES_PER_US;
         cycles.abs_diff(expected) <= (expected >> FRACTION_LOG2) + READINGS_CYCLES

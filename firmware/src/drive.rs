@@ -33,7 +33,7 @@ impl Drive {
         Self { _line: line, feedback }
     }
 
-    /// Where the line is read back.
+    /// Place at which the line is read back.
     pub(crate) fn feedback(&self) -> EnableFeedback {
         if self.feedback.is_some() { EnableFeedback::Drive } else { EnableFeedback::Pin }
     }
@@ -44,7 +44,7 @@ impl Drive {
         register.write_value(ENABLE);
     }
 
-    /// Where the line is: not where it was put, if pad or feedback say so.
+    /// State of the line as read back; it differs from the commanded one if pad or feedback say so.
     pub(crate) fn read(&self) -> bool {
         let is_set = pac::SIO.gpio_out(0).value().read() & ENABLE != 0;
         let pad = pac::SIO.gpio_in(0).read() & ENABLE != 0;

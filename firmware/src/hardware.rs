@@ -11,8 +11,8 @@ use crate::drive::Drive;
 /// Number of connected inputs.
 pub(crate) const CHANNELS: u8 = 4;
 
-/// What this image never exceeds, for the thesis' bench: the drive's input of +-5 V, and a motor whose tachometer ends at 152 rad/s.
-/// 5 kHz is the fastest rate that leaves time to the link; below 100 Hz a fault would be noticed too late.
+/// Limits that this image never exceeds, for the thesis' bench: the drive's input of +-5 V, and a motor whose tachometer ends at
+/// 152 rad/s. 5 kHz is the fastest rate that leaves time for the link; below 100 Hz a fault would be noticed too late.
 const CEILINGS: Ceilings = Ceilings {
     output_uv: 5_000_000,
     speed_urad_s: 200_000_000,

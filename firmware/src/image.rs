@@ -3,7 +3,7 @@
 use socam_wire::Image;
 use socam_wire::image::{self, Seal};
 
-/// Where the flash is mapped, and its size.
+/// Address at which the flash is mapped, and its size.
 const FLASH: usize = 0x1000_0000;
 const FLASH_BYTES: usize = 2 << 20;
 

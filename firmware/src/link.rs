@@ -40,7 +40,7 @@ const STATUS_EVERY: Duration = Duration::from_millis(200);
 type Usb = Driver<'static, USB>;
 type Outgoing = Pipe<NoopRawMutex, OUTGOING>;
 
-/// This program's end of the slots to the core.
+/// The link's end of the slots to the core.
 pub(crate) struct Core {
     pub(crate) asks: Filler<'static, Ask>,
     pub(crate) answers: Taker<'static, Answer>,

@@ -150,7 +150,7 @@ impl Sampler {
         pac::TIMER.alarm(ALARM).write_value(self.next_us.wrapping_sub(AWAITED_US));
     }
 
-    /// Sets the alarm. One in the past would never occur, so conversions whose time has passed are skipped.
+    /// Sets the alarm. An alarm in the past would never occur, so conversions whose time has passed are skipped.
     fn catch_up(&mut self) {
         for _ in 0..MADE_UP_FOR {
             let left_us = self.time_left_us();

@@ -16,7 +16,7 @@ const IN_A_RUN: u32 = 0x6e57_11c3;
 #[unsafe(link_section = ".uninit.RUNNING")]
 static RUNNING: [AtomicU32; 2] = [AtomicU32::new(0), AtomicU32::new(0)];
 
-/// To be called at every tick.
+/// Records whether the output is live. Must be called at every tick.
 pub(crate) fn note(is_live: bool) {
     let word = if is_live { IN_A_RUN } else { 0 };
     let [plain, inverse] = &RUNNING;

@@ -37,17 +37,17 @@ pub(crate) fn start() {
     });
 }
 
-/// To be called at every conversion.
+/// Restarts the watchdog's countdown. Must be called at every conversion.
 pub(crate) fn feed() {
     let rested_us = now_us().wrapping_sub(LINK_US.load(Ordering::Relaxed));
     if rested_us < LINK_MAY_REST_US {
-        // It counts down two per microsecond (erratum RP2040-E1).
+        // The watchdog counts down two per microsecond (erratum RP2040-E1).
         pac::WATCHDOG.load().write_value(pac::watchdog::regs::Load(2 * BITES_AFTER_US));
         pac::SIO.gpio_out(0).value_xor().write_value(1 << crate::ALIVE_PIN);
     }
 }
 
-/// To be called by the link's task, with or without a host.
+/// Records that the link's task runs. Must be called by that task, with or without a host.
 pub(crate) fn link_is_at_work() {
     LINK_US.store(now_us(), Ordering::Relaxed);
 }

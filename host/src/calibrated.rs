@@ -1,4 +1,4 @@
-//! How well a bench's sensors are calibrated: from a file, or from what travels with its recordings.
+//! Uncertainty of a bench's sensors: from a calibration file, or from the calibration in its recordings.
 
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ fn std_of(calibration: Option<&Calibration>, column: &str) -> SensorStd {
     })
 }
 
-/// What is known of the sensors between which an efficiency is measured.
+/// Uncertainties of the sensors between which an efficiency is measured.
 pub(crate) fn sensors(calibration: Option<&Calibration>, section: &socam_efficiency::Section) -> Sensors {
     let of = |channel: &socam_model::Channel| std_of(calibration, &channel.column);
     Sensors {

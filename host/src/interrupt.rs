@@ -23,7 +23,7 @@ pub(crate) struct Interrupt(Arc<State>);
 #[derive(Debug, Default)]
 struct State {
     count: AtomicU32,
-    /// At this count the process ends; zero is never.
+    /// Count of interrupts at which the process ends; at zero it never ends.
     last: AtomicU32,
     /// Counts changes of `last`.
     changes: AtomicU32,
@@ -47,18 +47,18 @@ impl Interrupt {
         LISTENER.get_or_init(start).clone()
     }
 
-    /// How often it was asked for.
+    /// Number of interrupts so far.
     pub(crate) fn count(&self) -> u32 {
         self.0.count.load(Ordering::Relaxed)
     }
 
-    /// From now on the operator's next wish but `patience` ends the process at once. This handler tells of it.
+    /// From now on the process ends at once at the interrupt after the next `patience` ones. This handler tells the operator so.
     pub(crate) fn end_after(&self, patience: u32) {
         self.0.is_answered.store(false, Ordering::Relaxed);
         self.set_last(patience + 1);
     }
 
-    /// From now on the command answers the operator's next wishes, `times` of them; the one after them ends the process at once.
+    /// From now on the command itself responds to the next `times` interrupts; the one after these ends the process at once.
     pub(crate) fn answer(&self, times: u32) {
         self.0.is_answered.store(true, Ordering::Relaxed);
         self.set_last(times + 1);
@@ -84,13 +84,13 @@ impl Interrupt {
                 own.end(&format!("the search did not end within {} s; ended", SEARCH_ENDS_WITHIN.as_secs()));
             }
         };
-        // Without a thread the next wish ends it.
+        // Without a thread the next interrupt ends the process.
         let _ = std::thread::Builder::new().name("interrupt".into()).spawn(wait);
     }
 
     /// Ends the process, and removes its unfinished file.
     fn end(&self, why: &str) -> ! {
-        // Held until the end, so that nobody puts another there.
+        // The lock is held until the process ends, so that no other file is stored there.
         let unfinished = self.0.unfinished.lock().unwrap_or_else(PoisonError::into_inner);
         unfinished.iter().for_each(|file| drop(std::fs::remove_file(file)));
         output::say(why);

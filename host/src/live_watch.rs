@@ -40,7 +40,7 @@ impl LiveWatch {
                 for event in found {
                     let text = alarms::text(&event);
                     output::say(&text);
-                    // The run has ended without waiting for this thread if nobody receives.
+                    // Sending fails if the run has ended without waiting for this thread.
                     let _ = outgoing.send(recorded(&event, text));
                 }
             };

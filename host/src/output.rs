@@ -1,4 +1,4 @@
-//! What every command says, and how: results on stdout, talk on stderr, an error as one sentence.
+//! Output of all commands: results on stdout, messages on stderr, an error as one sentence.
 
 use std::borrow::Cow;
 use std::io::{self, IsTerminal, Write};
@@ -22,7 +22,7 @@ impl std::fmt::Display for WrongArguments {
 
 impl std::error::Error for WrongArguments {}
 
-/// A reader of stdout that went away (`| head`): nothing is wrong, and nobody listens any more.
+/// The reader of stdout has closed it (`| head`), which is no error.
 #[derive(Debug)]
 struct NobodyListens;
 
@@ -69,9 +69,9 @@ pub(crate) fn say(text: impl std::fmt::Display) {
     say_after("", text);
 }
 
-/// The same after a painted word.
+/// Prints a message after a coloured word.
 fn say_after(word: &str, text: impl std::fmt::Display) {
-    // When stderr is gone there is nobody to tell.
+    // If stderr is closed, the message is lost.
     let _ = writeln!(io::stderr().lock(), "{word}{}", printable(&text.to_string()));
 }
 
@@ -87,14 +87,14 @@ pub(crate) fn open(run: &str) -> anyhow::Result<Dataset> {
     Ok(data)
 }
 
-/// The same, on a regular grid.
+/// Opens a recording on a regular grid and prints its warnings.
 pub(crate) fn open_on(grid: Grid<'_>, run: &str) -> Result<Dataset, JobError> {
     let data = grid.open(run)?;
     say_warnings(run, &data);
     Ok(data)
 }
 
-/// The same of several.
+/// Opens several recordings on a regular grid and prints their warnings.
 pub(crate) fn open_all(grid: Grid<'_>, runs: &[String]) -> Result<Vec<Dataset>, JobError> {
     runs.iter().map(|run| open_on(grid, run)).collect()
 }
@@ -168,7 +168,7 @@ fn sentence(error: &anyhow::Error) -> String {
         } else if !sentence.contains(&text) {
             sentence = format!("{sentence}: {text}");
         }
-        // These have said the system's answer in their own words.
+        // Messages of these errors already contain the system's message.
         if matches!(cause.downcast_ref(), Some(RecordingError::Io { .. })) {
             break;
         }
@@ -193,7 +193,7 @@ pub(crate) fn create(path: &Path) -> anyhow::Result<OutputFile> {
     create_new(path, true)
 }
 
-/// The same for a model or a calibration, which people edit by hand: it replaces an older one only if it may.
+/// Creates a file for a model or a calibration, which people edit by hand. It replaces an existing file only if `replace` is set.
 pub(crate) fn create_new(path: &Path, replace: bool) -> anyhow::Result<OutputFile> {
     if socam_recording::detect(path).is_ok() {
         let problem = format!("`{}` is a recording; name another file to write", path.display());

@@ -1,4 +1,4 @@
-//! What a report is made from: the command as it was typed, the date, and the hashes of the files that were read.
+//! Provenance of a report: the command as it was typed, the date, and the hashes of the files that were read.
 
 use anyhow::Context;
 use socam_job::options::quoted;

@@ -92,7 +92,7 @@ pub(crate) fn combinations(result: &Identification) -> String {
     format!("\n{}", align(&rows, &[false, true, false, false, false]))
 }
 
-/// What would settle what has no number.
+/// Advice for quantities that are not determined, as text.
 pub(crate) fn advice(result: &Identification) -> String {
     if result.advice.is_empty() {
         return String::new();

@@ -15,7 +15,8 @@ const ROOM: usize = 476;
 /// A byte of erased flash.
 const ERASED: u8 = 0xff;
 
-/// "UF2\n", and two numbers that nobody writes by chance.
+/// "UF2
+/// ", and two numbers that are unlikely to occur by chance.
 const MAGIC: [u32; 2] = [0x0a32_4655, 0x9e5d_5157];
 const MAGIC_END: u32 = 0x0ab1_6f30;
 
@@ -23,7 +24,7 @@ const MAGIC_END: u32 = 0x0ab1_6f30;
 const HAS_FAMILY: u32 = 0x2000;
 const RP2040: u32 = 0xe48b_ff56;
 
-/// Where the board's flash lies.
+/// Addresses of the board's flash.
 const FLASH: std::ops::Range<u32> = 0x1000_0000..0x1020_0000;
 
 /// The image as the boot drive takes it, from an ELF file or from one of that format, with its checksum.
@@ -83,7 +84,7 @@ fn from_elf(elf: &[u8]) -> anyhow::Result<Vec<Part<'_>>> {
     Ok(parts)
 }
 
-/// What the parts make of the flash, from its beginning, in whole pages; bytes that no part names are erased ones.
+/// Content of the flash after all parts are written, from its beginning, in whole pages. Bytes that no part contains are erased.
 fn flash(parts: &[Part<'_>]) -> anyhow::Result<Vec<u8>> {
     let mut flash = Vec::new();
     for (address, bytes) in parts {

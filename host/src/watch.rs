@@ -1,4 +1,4 @@
-//! How far a fit is, on stderr, and Ctrl-C to end it with what it has.
+//! Progress of a fit on stderr, and Ctrl-C, which ends the fit with the best result so far.
 
 use std::io::IsTerminal;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use socam_identify::{Observer, Progress, ProgressMonitor};
 use crate::interrupt::Interrupt;
 use crate::output;
 
-/// Where stderr is no terminal and progress is wanted all the same, a line is said so often.
+/// Interval between lines of progress where stderr is no terminal and progress is requested.
 const LINE_EVERY: Duration = Duration::from_secs(1);
 
 /// Who waits for the fit.

@@ -62,7 +62,8 @@ mod tests {
     use super::*;
     use crate::Truth;
 
-    /// What a slow tachometer reads every 0.25 ms; `again`: the command is given twice in between, the second time 0.06 ms later.
+    /// Readings of a slow tachometer every 0.25 ms. With `again`, the command is given twice in between, the second time 0.06 ms
+    /// later.
     fn read(again: bool) -> Vec<f64> {
         let lag = "sensor_lag@motor_speed:time_constant=0.002".parse().unwrap();
         let truth = Truth::new(&Model::builtin("speed-o-cam").unwrap(), &[], &[lag]).unwrap();

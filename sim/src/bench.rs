@@ -18,7 +18,7 @@ const MOTOR_CURRENT: &str = "motor_current";
 /// unchanged.
 const CONVERSIONS: u32 = 4;
 
-/// What a sensor measures.
+/// Quantity that a sensor measures.
 #[derive(Debug, Clone, Copy)]
 enum Source {
     /// column = (output - offset) / scale.

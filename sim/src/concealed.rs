@@ -1,4 +1,4 @@
-//! What a simulated bench has that its written model does not, as a command line names it.
+//! Effects and parameter values that a simulated bench has and its written model does not, as a command line names them.
 
 use std::str::FromStr;
 
@@ -22,7 +22,7 @@ pub struct Concealed {
     pub effect: String,
     /// Place's name.
     pub place: String,
-    /// Its parameters.
+    /// Parameters of the effect.
     pub parameters: Vec<Override>,
 }
 

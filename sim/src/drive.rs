@@ -86,7 +86,7 @@ pub(crate) fn attach(drive: &Drive, model: &Model, equations: &Equations) -> Equ
     let rate = 1.0 / drive.lag_s;
     let reaction = reaction_output(model).filter(|_| matches!(drive.answer, Answer::Speed(_)));
 
-    // After the drivetrain's states follow its inputs as states (the driven quantity and the clocks), then the armature.
+    // The drivetrain's states come first, then its inputs as states (the driven quantity and the clocks), then the armature.
     let inputs = e.input.ncols();
     let (driven, armature) = (states, states + inputs);
     let all = armature + 1;

@@ -39,7 +39,7 @@ pub enum SimError {
     Argument {
         /// The text.
         text: String,
-        /// What is wrong with it, and what was expected.
+        /// Explanation: what is wrong with it, and what was expected.
         problem: String,
     },
 }

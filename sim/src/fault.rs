@@ -95,7 +95,7 @@ impl FaultyChannel {
                 });
                 truth + additions.sum::<f64>()
             }
-            // These change the network, never a channel.
+            // These effects change the network, never a channel.
             Form::Inertia | Form::Compliance => truth,
         }
     }

@@ -1,4 +1,4 @@
-//! A virtual fleet: sister machines whose parameters differ, their recordings over the dates, and what is wrong with a few of them.
+//! A virtual fleet: sister machines with different parameters, their recordings over the dates, and faults of a few of them.
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use rand_distr::{Distribution, StandardNormal, Uniform};
@@ -11,10 +11,10 @@ use crate::{Concealed, Override, Setup, SimError, Truth, calibration_for};
 /// Factors between which the size of a fault is drawn, evenly in the logarithm.
 const SIZES: (f64, f64) = (0.5, 2.0);
 
-/// What a fleet is drawn from.
+/// Distribution from which a fleet is drawn.
 #[derive(Debug, Clone)]
 pub struct FleetPlan {
-    /// The written model, whose parameters are those of the usual machine.
+    /// The written model; its parameters are those of a typical machine.
     pub model: Model,
     /// Number of machines.
     pub machines: usize,
@@ -39,11 +39,11 @@ pub struct FleetPlan {
 pub struct FleetMachine {
     /// Serial number.
     pub serial: String,
-    /// Its parameters.
+    /// Parameters of the machine.
     pub values: Vec<Override>,
-    /// Its fault.
+    /// Fault of the machine.
     pub fault: Option<Concealed>,
-    /// Its wear: parameter, and change from the first date to the last as a share of the value.
+    /// Wear of the machine: a parameter, and its change from the first date to the last as a share of the value.
     pub wear: Option<Override>,
     seed: u64,
 }
@@ -51,7 +51,7 @@ pub struct FleetMachine {
 /// A fleet.
 #[derive(Debug, Clone)]
 pub struct VirtualFleet {
-    /// Its machines.
+    /// Machines of the fleet.
     pub machines: Vec<FleetMachine>,
     model: Model,
     dates: usize,

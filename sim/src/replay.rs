@@ -29,7 +29,7 @@ pub enum Start {
 /// Given states of a segment's start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Begin {
-    /// Its first row.
+    /// First row of the segment.
     pub first_row: u64,
     /// States there, in the order of the model's equations, SI.
     pub states: Vec<f64>,
@@ -51,7 +51,7 @@ pub struct Replay {
     pub truth: Truth,
     /// Columns that act on it in addition to the model's inputs.
     pub disturbances: Vec<Disturbance>,
-    /// Its first states.
+    /// Initial states of the drivetrain.
     pub start: Start,
 }
 

@@ -39,7 +39,7 @@ pub struct Setup {
 /// Equations of a bench.
 pub(crate) struct Plants {
     pub(crate) truth: Plant,
-    /// Those before a change in mid-run.
+    /// Equations before a change in the middle of a run; `None` if nothing changes.
     pub(crate) before: Option<Plant>,
 }
 
@@ -102,8 +102,8 @@ impl Setup {
         Ok(())
     }
 
-    /// Equations of the drivetrain with its drive, and of the one before a change in mid-run. After the model's outputs follow the speeds of
-    /// the shafts on whose angle a faulty sensor depends.
+    /// Equations of the drivetrain with its drive, now and before a change in the middle of a run. The outputs are those of the
+    /// model, then the speeds of the shafts on whose angle a faulty sensor depends.
     pub(crate) fn plants(&self) -> Result<Plants, SimError> {
         let truth = self.plant(&self.truth)?;
         let before = self.before.as_ref().map(|(before, _)| self.plant(before)).transpose()?;
@@ -138,7 +138,7 @@ impl Setup {
         model
     }
 
-    /// The node on whose angle a sensor's fault depends, for each such fault.
+    /// Name of the node on whose angle a sensor's fault depends, for each such fault.
     pub(crate) fn watched_nodes(&self) -> Vec<String> {
         let model = &self.truth.model;
         let following = self.truth.faults.iter().filter(|(_, fault)| fault.follows_shaft());

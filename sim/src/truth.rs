@@ -11,7 +11,7 @@ use crate::fault::Fault;
 pub struct Truth {
     /// The model with all concealed effects.
     pub model: Model,
-    /// Its parameter values, SI.
+    /// Parameter values, SI.
     pub values: Vec<f64>,
     /// Faults of its sensors: channel's name and fault, in the order given.
     pub(crate) faults: Vec<(String, Fault)>,
@@ -50,7 +50,7 @@ impl Truth {
         Ok(truth)
     }
 
-    /// Its equations of motion.
+    /// Equations of motion.
     ///
     /// # Errors
     /// [`ModelError`] where it cannot move.
@@ -59,7 +59,7 @@ impl Truth {
     }
 }
 
-/// The channel whose sensor has a fault.
+/// Name of the channel whose sensor has the fault.
 fn faulty_channel(model: &Model, hidden: &Concealed) -> Result<String, SimError> {
     if model.channels.iter().any(|channel| channel.name == hidden.place) {
         return Ok(hidden.place.clone());

@@ -17,12 +17,12 @@ impl Draw {
         Self(random)
     }
 
-    /// As likely everywhere from `low` up to `high`.
+    /// A number from `low` to `high` with uniform density.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         self.0.random_range(low..high)
     }
 
-    /// From `low` to `high`, both included.
+    /// A whole number from `low` to `high`, both included.
     pub fn whole(&mut self, low: u64, high: u64) -> u64 {
         self.0.random_range(low..=high)
     }
@@ -32,12 +32,12 @@ impl Draw {
         self.between(0.0, 1.0) < part
     }
 
-    /// From 1/`spread` to `spread`, as likely below one as above.
+    /// A factor from 1/`spread` to `spread`, as likely below one as above.
     pub fn factor(&mut self, spread: f64) -> f64 {
         spread.powf(self.between(-1.0, 1.0))
     }
 
-    /// Of mean 0 and variance 1.
+    /// A normal number of mean 0 and variance 1.
     pub fn normal(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
     }

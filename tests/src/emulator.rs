@@ -17,8 +17,8 @@ use socam_sim::{Analog, Setup, Truth};
 
 use crate::firmware;
 
-/// What is hidden in a bench behind the filters of docs/firmware.md: two poles each, which slow signals by 0.217 ms as a Bessel filter
-/// of 1 kHz does, of parts that are a quarter of a per cent off, either way.
+/// Hidden effects of a bench behind the filters of docs/firmware.md. Each filter has two poles that delay signals by 0.217 ms, as a
+/// Bessel filter of 1 kHz does; its parts are a quarter of a per cent off, either way.
 pub const FILTERS: [&str; 8] = [
     "sensor_lag@motor_speed:time_constant=1.0805e-4",
     "sensor_lag@motor_speed:time_constant=1.0805e-4",
@@ -64,7 +64,7 @@ impl Emulator {
         Self::launch(setup, None)
     }
 
-    /// The same with an image that `socam-host flash` has made.
+    /// Starts the emulator with an image that `socam-host flash` has made.
     ///
     /// # Panics
     /// When the emulator does not start.
@@ -122,7 +122,7 @@ impl Emulator {
         let _ = self.ask(&json!({ "ask": "run", "forS": for_s }));
     }
 
-    /// What has happened to the board's lines so far.
+    /// Events on the board's lines so far.
     ///
     /// # Panics
     /// When the emulator's log is no log.
@@ -188,8 +188,8 @@ fn serve(setup: &Setup, mut questions: ChildStdout, mut answers: ChildStdin) {
     ran.expect("the bench can be built");
 }
 
-/// What a program says on its serial line until it comes to a breakpoint, run by the emulated processor alone; `None`, with the
-/// reason said, where there is no Node.
+/// Output of a program on its serial line until it reaches a breakpoint, run by the emulated processor alone. `None` without Node;
+/// the reason is then printed.
 ///
 /// # Panics
 /// When the emulator does not start or the program does not end.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
-/// What the board's processor is called by the compiler.
+/// Target triple of the board's processor.
 pub const TARGET: &str = "thumbv6m-none-eabi";
 
 /// A limit of the image, by its name in `tests/tables/firmware.toml`.

@@ -1,4 +1,4 @@
-//! What the end-to-end tests share: the program as a process, and recordings that none of its crates has made.
+//! Common parts of the end-to-end tests: the program as a process, and recordings that none of its crates has made.
 
 pub mod bench;
 mod draw;

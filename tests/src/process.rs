@@ -47,7 +47,7 @@ pub fn socam_host() -> Command {
     command
 }
 
-/// How the program ended and what it said.
+/// Exit status and output of the program.
 #[derive(Debug)]
 pub struct Ran {
     /// Exit code; `None` when a signal ended it.
@@ -74,7 +74,7 @@ pub fn run<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Ran {
 }
 
 impl Ran {
-    /// What it printed, having ended well.
+    /// Standard output of a program that succeeded.
     ///
     /// # Panics
     /// When it did not.

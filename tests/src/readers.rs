@@ -8,7 +8,7 @@ pub fn scripts() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("readers")
 }
 
-/// Where `tests/run --set-up` puts the readers: beside the build, so that `cargo clean` takes them too.
+/// Folder in which `tests/run --set-up` puts the readers: beside the build, so that `cargo clean` removes them too.
 ///
 /// # Panics
 /// When the test's own path is unknown.
@@ -25,7 +25,7 @@ pub fn python() -> Option<PathBuf> {
     named.or_else(|| is_set_up(&list, &folder).then(|| folder.join("bin/python")))
 }
 
-/// A folder whose `node_modules` hold the packages of `readers/package.json`: `SOCAM_NODE_MODULES`, or that of the set-up.
+/// Folder whose `node_modules` contains the packages of `readers/package.json`: `SOCAM_NODE_MODULES`, or that of the set-up.
 #[must_use]
 pub fn node_modules() -> Option<PathBuf> {
     let named = std::env::var_os("SOCAM_NODE_MODULES").map(PathBuf::from);

@@ -252,7 +252,7 @@ fn a_full_disk_is_said() {
     assert!(ran.refusal(FAILED).contains("cannot write to stdout"), "{ran:?}");
 }
 
-/// As a disk that fills up half way: the shell lets no file grow beyond 8 KiB.
+/// A disk that fills up half way is simulated: the shell lets no file grow beyond 8 KiB.
 #[test]
 #[cfg(unix)]
 fn a_file_that_cannot_grow_is_not_left_half_written() {
@@ -273,7 +273,7 @@ fn a_file_that_cannot_grow_is_not_left_half_written() {
 
 #[cfg(unix)]
 fn limited(command: &[&OsStr]) -> Ran {
-    // Without its signal, passing the limit is an error like any other.
+    // With the signal ignored, passing the limit is an error like any other.
     let script = "trap '' XFSZ; ulimit -f 16; exec \"$@\"";
     Command::new("sh").args(["-c", script, "sh"]).args(command).output().unwrap().into()
 }

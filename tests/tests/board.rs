@@ -39,7 +39,7 @@ ramp_s = 0.5
 duration_s = 9
 ";
 
-/// Of the board's processor.
+/// Clock cycles of the board's processor per microsecond.
 const CYCLES_PER_US: f64 = 125.0;
 
 const CHANNELS: [&str; 5] =
@@ -163,7 +163,7 @@ fn a_closed_loop_run_matches_the_virtual_board() {
     let measured = record(&mut board, &emulated, &profile, "10s", 1000);
     println!("measured: 1 kHz closed loop: {measured}");
     assert!(measured["worstCycles"].as_u64().unwrap() <= 12_000, "{measured}");
-    // What the firmware tells its host of itself.
+    // The firmware reports this step to its host.
     assert!((measured["channelStepNs"].as_f64().unwrap() - 3700.0).abs() < 50.0, "{measured}");
 
     let file = path(&folder, "pico.toml");
@@ -288,7 +288,7 @@ fn five_kilohertz_lose_nothing_and_take_their_time() {
     let measured = record(&mut board, &path(&folder, "short.mcap"), "multisine", "2.5s", 5000);
     println!("measured: 5 kHz multisine, with random host traffic: {measured}");
     assert!(measured["worstCycles"].as_u64().unwrap() <= limit("interrupt_cycles_5_khz"), "{measured}");
-    // From the earliest to the latest, on a grid of exactly 100 us: a quarter of what +-2 us are.
+    // The spread from the earliest to the latest instant, on a grid of exactly 100 us, is at most a quarter of the width of +-2 us.
     assert!(measured["spreadNs"].as_f64().unwrap() <= limit("instant_spread_ns") as f64, "{measured}");
     board.inject("host=alone", None);
     let measured = record(&mut board, &path(&folder, "long.mcap"), "chirp", "6s", 5000);

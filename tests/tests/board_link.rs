@@ -18,7 +18,7 @@ fn from_hex(text: &str) -> Vec<u8> {
         .collect()
 }
 
-/// What the board said, by tick, before the link damaged it: the values of a row while the drive was enabled.
+/// Values that the board sent while the drive was enabled, by tick, before the link damaged them.
 fn said(bytes: &[u8], calibration: &Calibration) -> BTreeMap<u32, Vec<f64>> {
     let mut decoder = Decoder::<ToHost>::new();
     let mut bytes = bytes;

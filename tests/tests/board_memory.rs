@@ -60,7 +60,7 @@ fn words(config: &Config) -> [Vec<u32>; 2] {
     let speed = &config.speed;
     let mut words = vec![config.output.clamp_uv as u32, config.host_timeout_us, config.missing_after_us];
     words.extend([config.moving_uv as u32, speed.motor.offset_uv as u32]);
-    // Of the profile, as it was loaded: what the generator made of it has other units, or changes.
+    // Words of the profile as it was loaded; the generator's own copies have other units, or change.
     words.extend([PROFILE.slew_micro_s, PROFILE.duration_us as u32]);
     for value in [config.output.counts_per_uv_q32, speed.proportional_q32, speed.integral_per_s_q32] {
         words.extend(halves(value));
@@ -75,7 +75,7 @@ fn words(config: &Config) -> [Vec<u32>; 2] {
     [words, limits]
 }
 
-/// What the linker gave the sampling interrupt's data.
+/// Bytes that the linker gave to the sampling interrupt's data.
 fn sampler_bytes() -> u64 {
     let data = std::fs::read(firmware::image().unwrap()).unwrap();
     let file = object::File::parse(&*data).unwrap();

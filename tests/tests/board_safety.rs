@@ -1,4 +1,5 @@
-//! Everything that can go wrong at the emulated board: output at 0 V and drive disabled in time, the cause told afterwards, and no
+//! Faults at the emulated board: the output is at 0 V and the drive disabled in time, the cause is reported afterwards, and the
+//! bench does not move before the host asks for it again.
 //! movement before the host asks for it anew.
 
 mod failures;
@@ -10,7 +11,7 @@ use socam_core::{Fault, Refusal, Request};
 use socam_tests::emulator::{Emulator, bench};
 use socam_tests::{firmware, run};
 
-/// Samples that nobody takes fill the board's buffer; the thesis' program had one without a bound, of two sizes.
+/// Samples that are not read fill the board's buffer; in the thesis' program the buffer had no bound and two sizes.
 #[test]
 fn a_pulled_cable_stops_the_bench() {
     let Some(mut board) = board() else { return };
@@ -164,12 +165,12 @@ fn an_enable_line_that_does_not_follow_is_told() {
     assert!(ran.stderr.contains(&low), "{ran:?}");
     board.inject("pad=well", None);
 
-    // In a run it is where it should be; at its end it is not.
+    // In a run the line is where it should be; at the end of the run it is not.
     board.inject("pad=high", Some(AFTER_S));
     let ran = record(&board, &[]);
     assert!(ran.code == Some(1) && ran.stderr.contains(&high), "{ran:?}");
     assert_eq!(board.log().iter().rfind(|entry| entry.what == "volts").unwrap().value, 0);
-    // At rest it is a fault that comes back: no run begins.
+    // At rest the fault comes back, so that no run begins.
     let ran = record(&board, &[]);
     assert!(ran.code == Some(1) && ran.stderr.contains(&high), "{ran:?}");
     board.inject("pad=well", None);

@@ -51,7 +51,7 @@ fn browser() -> Option<OsString> {
     found
 }
 
-/// What people do with the page: drop two files, look at the picture, go on to the spectra. The answers go to whoever served it.
+/// Actions of a user on the page: drops two files, looks at the picture, opens the spectra. The results are sent to the server.
 const VISITOR: &str = r#"
 <script>
 const wait = ms => new Promise(resolve => setTimeout(resolve, ms));
@@ -93,7 +93,7 @@ addEventListener("load", () => visit().then(() => answer("end", "reached"), erro
 </script>
 </html>"#;
 
-/// Serves what a browser asks for, by name, and passes on what it answers, until nobody listens any more.
+/// Serves files by name and forwards the results that the browser posts, until the receiver is dropped.
 fn serve(listener: TcpListener, files: HashMap<&'static str, Vec<u8>>) -> Receiver<(String, Vec<u8>)> {
     let (answers, heard) = std::sync::mpsc::channel();
     let files = Arc::new(files);

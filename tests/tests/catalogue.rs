@@ -1,5 +1,5 @@
-//! Every effect of the catalogue in motion: the fast predictor and the simulator's solver, which share nothing but the equations,
-//! agree on it; and it shows.
+//! Simulates every effect of the catalogue in motion. The fast predictor and the simulator's solver, which have only the equations
+//! in common, must agree, and the effect must be visible.
 
 use socam_identify::{Intersample, Predictor, Start};
 use socam_model::{Model, Quantity, effects};
@@ -8,7 +8,7 @@ use socam_sim::Plant;
 const STEP_S: f64 = 1e-3;
 const ROWS: usize = 1200;
 
-/// Of the driven shaft, rad/s: to and fro through standstill, with some of everything up to 30 Hz.
+/// Speed of the driven shaft, rad/s: it reverses through standstill and has components up to 30 Hz.
 fn speed(time_s: f64) -> f64 {
     let wave =
         |amplitude: f64, frequency_hz: f64| amplitude * (std::f64::consts::TAU * frequency_hz * time_s).sin();

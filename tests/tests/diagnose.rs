@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 use socam_tests::run;
 
-/// What the bench's parameters really are; the model file has others.
+/// True parameters of the bench; those of the model file differ.
 const BENCH: [&str; 6] = ["k1=75", "k2=50", "k4=120", "c4=0.1", "c5=0.04", "c2=0.03"];
 const TRAINING: [&str; 2] = ["multisine", "triangle"];
 const HELD_OUT: &str = "reversals";
@@ -50,7 +50,7 @@ fn a_bench_that_its_model_explains_is_called_adequate() {
         let ratio = channel["holdout_rms_after"].as_f64().unwrap() / channel["noise_std"].as_f64().unwrap();
         assert!((0.9..1.1).contains(&ratio), "{name}: {ratio}");
     }
-    // How large the friction of the load's bearing would have had to be: a hundredth of what is found below is not overlooked.
+    // The smallest detectable friction of the load's bearing is at most a hundredth of the friction in the test below.
     let unseen = document["not_found"].as_array().unwrap();
     let friction =
         unseen.iter().find(|one| one["effect"] == "coulomb_friction" && one["location"] == "load_bearing");
@@ -73,7 +73,7 @@ fn concealed_friction_is_named_added_and_proven() {
     let ends = torque["ci95"].as_array().unwrap();
     assert!((torque["value"].as_f64().unwrap() - 0.3).abs() < 3e-3, "{torque}");
     assert!(ends[0].as_f64() < torque["value"].as_f64() && torque["value"].as_f64() < ends[1].as_f64());
-    // What it had bent is straight again.
+    // The parameter that the missing effect had biased is correct again.
     let damping = document["parameters"].as_array().unwrap().iter().find(|one| one["name"] == "c5").unwrap();
     assert!((damping["before"].as_f64().unwrap() - 0.04).abs() > 0.005, "{damping}");
     assert!((damping["after"].as_f64().unwrap() - 0.04).abs() < 0.0005, "{damping}");

@@ -30,7 +30,7 @@ impl Table {
         self.header.iter().position(|own| own == name).unwrap()
     }
 
-    /// With each cell of a column put through a function of its row and value.
+    /// The table with each cell of a column replaced by a function of its row and value.
     fn with(&self, name: &str, cell: impl Fn(usize, f64) -> String) -> Self {
         let (mut changed, column) = (self.clone(), self.column(name));
         for (k, row) in changed.rows.iter_mut().enumerate() {

@@ -62,7 +62,7 @@ fn the_reducers_table_has_a_loss_or_a_wrong_torque_sensor_and_speeds_that_scatte
     assert_eq!(load["curve"]["torque"], serde_json::json!([4.8994, 4.823, 2.9265]));
     let c5 = document["parameters"].as_array().unwrap().iter().find(|one| one["name"] == "c5").unwrap();
     assert_eq!((&c5["identifiable"], &c5["after"]), (&Value::Bool(false), &Value::Null));
-    // What to record, as a sentence and as a profile that `record` takes.
+    // The proposed experiment is given as a sentence and as a profile that `record` reads.
     let next = &document["suggested_experiment"];
     let sentence = next["sentence"].as_str().unwrap();
     assert!(sentence.contains("load drives") && sentence.contains("weight"), "{sentence}");
@@ -96,7 +96,7 @@ fn the_couplings_lose_nothing_but_a_tachometer_is_off_by_two_per_cent() {
         assert_eq!(speeds["effect"], "sensor_gain");
         let gain = speeds["parameters"][0]["value"].as_f64().unwrap();
         assert!((gain - 0.981).abs() < 0.003, "{gain}");
-        // Which of the two tachometers is wrong, the table does not say; that nothing slips, it does: the torque changes.
+        // The table does not determine which of the two tachometers is wrong, but it shows that nothing slips: the torque changes.
         let all = rivals(speeds);
         assert!(
             all.iter().any(|(effect, place, weight)| (*effect, *place) == ("sensor_gain", "motor_speed")

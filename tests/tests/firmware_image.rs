@@ -9,10 +9,10 @@ use socam_tests::run;
 
 mod stack;
 
-/// Where the board's memory begins.
+/// Start address of the board's memory.
 const MEMORY: u64 = 0x2000_0000;
 
-/// What may not be reached: whatever panics, and any allocator.
+/// Functions that must not be reachable: those that panic, and any allocator.
 const FORBIDDEN: [&str; 6] =
     ["panic", "unwrap_failed", "expect_failed", "slice_index", "__rust_alloc", "alloc::"];
 
@@ -28,7 +28,7 @@ struct Code<'d> {
     functions: Vec<Function>,
     /// Stretches of code: the address at which it begins and its bytes.
     text: Vec<(u64, &'d [u8])>,
-    /// Where code (true) or data (false) begins.
+    /// Addresses at which code (true) or data (false) begins.
     marks: BTreeMap<u64, bool>,
 }
 
@@ -79,7 +79,7 @@ impl<'d> Code<'d> {
         self.marks.range(..=address).next_back().is_none_or(|(_, is_code)| *is_code)
     }
 
-    /// Where a function's calls and branches lead outside of it, and whether it jumps to an address from a register.
+    /// Targets of a function's calls and branches outside of it, and whether it jumps to an address from a register.
     fn leads_to(&self, function: &Function) -> (BTreeSet<u64>, bool) {
         let mut targets = BTreeSet::new();
         let mut jumps_anywhere = false;
@@ -231,7 +231,7 @@ fn flash_puts_the_image_on_the_boot_drive_and_on_nothing_else() {
     }
     let data = std::fs::read(image).unwrap();
     let file = object::read::elf::ElfFile32::<object::Endianness>::parse(&*data).unwrap();
-    // Everything as it was built, but for the place of length and checksum.
+    // All bytes are as they were built, except those of length and checksum.
     let (mut compared, mut written) = (0, Vec::new());
     for segment in file.elf_program_headers() {
         let bytes = segment.data(file.endian(), &*data).unwrap();

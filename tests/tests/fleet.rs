@@ -181,7 +181,7 @@ fn a_run_that_was_killed_or_interrupted_goes_on_to_the_same_bytes() {
     let torn = [std::fs::read(&part).unwrap(), vec![77; 5]].concat();
     std::fs::write(&part, &torn).unwrap();
     let child = begun(fleet, &output, torn.len() as u64);
-    // It may be done already when the signal comes.
+    // The run may be finished when the signal arrives.
     let _ = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     let ran = Ran::from(child.wait_with_output().unwrap());
     assert!(matches!(ran.code, Some(0 | 1)), "{:?} {}", ran.code, ran.stderr);

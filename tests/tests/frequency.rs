@@ -45,7 +45,7 @@ fn the_response_of_the_virtual_bench_is_its_own() {
     assert!((number(&output["estimated_by"]["period_s"]) - 2.0).abs() < 1e-9);
     let lines = output["lines"].as_array().unwrap();
     assert!(lines.len() > 90, "{}", lines.len());
-    // Where the record is good, it is near the exact response: within what its own intervals say.
+    // Lines of high coherence are near the exact response, within their own intervals.
     for line in lines.iter().filter(|line| number(&line["coherence"]) > 0.98) {
         let (re, im) = (
             number(&line["re"]) - number(&line["model_re"]),
@@ -109,7 +109,7 @@ fn a_response_that_was_written_leads_to_the_same_transfer_function_as_its_record
         assert!((of(&direct) / of(&written) - 1.0).abs() < 1e-6, "{} {}", of(&direct), of(&written));
     }
 
-    // Without those columns lines are taken as independent, as those of other programs are.
+    // Without those columns lines are taken as independent, like those of other programs.
     let text = std::fs::read_to_string(&csv).unwrap();
     assert!(text.starts_with("output,") && text.contains(",freedom,width_hz,"), "{text:.200}");
     let bare = text.replacen(",freedom,width_hz,", ",other,another,", 1);

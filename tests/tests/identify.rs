@@ -15,7 +15,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// Whether a truth lies within its interval, widened to the width that a million tries would need.
+/// Whether the true value lies within 5 standard deviations of the estimate.
 fn holds(entry: &Value, truth: f64) -> bool {
     (number(&entry["value"]) - truth).abs() < 5.0 * number(&entry["std"])
 }
@@ -79,7 +79,8 @@ fn identify_says_what_a_recording_determines_and_what_not() {
     }
 }
 
-/// At rest the law has its bend: start states must not be moved as if it were straight, or no step of the others leads down.
+/// At rest the law is sharply curved: if start states were moved as if it were linear, no step of the other parameters would reduce
+/// the cost.
 #[test]
 fn a_loss_in_the_mesh_is_identified_from_a_start_at_rest() {
     let folder = tempfile::tempdir().unwrap();
@@ -199,7 +200,8 @@ fn output_error_intervals_of_a_real_axis_hold_what_was_published() {
         [("mass", 95.1089), ("viscous", 203.5034), ("coulomb", 20.3935), ("offset", -3.1648)]
     {
         let ci95 = &parameters[name]["ci95"];
-        // What was published has an interval too: inverse dynamics gives 0.2 kg for the mass. Ours begins 0.08 kg above it.
+        // The published value has an interval too: inverse dynamics gives 0.2 kg for the mass. Our interval begins 0.08 kg above
+        // it.
         let own = if name == "mass" { 0.2 } else { 0.0 };
         assert!(
             number(&ci95[0]) < published + own && published < number(&ci95[1]),

@@ -54,7 +54,7 @@ const RECORDER: [&str; 6] =
 /// Crates of windows.
 const WINDOW: [&str; 3] = ["egui", "eframe", "socam_dashboard"];
 
-/// What does not hold yet: a crate, what it imports, and who takes it out. An entry that is no longer needed fails.
+/// Known exceptions: a crate, its import, and the change that will remove it. An entry that is no longer needed fails.
 const KNOWN_IMPORTS: [(&str, &str, &str); 2] = [
     ("socam-diagnose", "socam_plot", "its pages move into a crate of reports"),
     ("socam-diagnose", "maud", "its pages move into a crate of reports"),

@@ -55,7 +55,7 @@ fn an_interrupted_search_reports_its_best_point() {
     let model = folder.path().join("model.toml");
     assert!(std::fs::read_to_string(&model).unwrap().contains("interrupted search"));
     assert!(!has_part(folder.path()));
-    // What was written goes on from there.
+    // The fit continues from the file that was written.
     let arguments = ["identify", "--starts", "1", "--model", model.to_str().unwrap(), "--json"];
     let recording = folder.path().join("run.csv");
     let resumed = run(arguments.into_iter().chain([recording.to_str().unwrap()])).json();

@@ -16,7 +16,7 @@ fn holds(estimate: &Value, truth: f64) {
     assert!((value - truth).abs() < 5.0 * std, "{truth}: {estimate}");
 }
 
-/// Pairs of a tachometer of 7 V per 1000 rpm whose third reading was taken down wrong, scattered by a hundredth of a volt.
+/// Pairs of a tachometer of 7 V per 1000 rpm with a scatter of a hundredth of a volt. The third reading was noted wrongly.
 fn pairs(path: &Path) {
     let mut text = String::from("# hand-held tachometer, voltmeter\nmotor_speed_rpm,motor_speed_V\n");
     for i in 1..=12 {

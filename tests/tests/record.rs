@@ -240,7 +240,7 @@ fn a_board_that_dies_while_recording_fails_and_leaves_what_was_recorded() {
 fn a_disk_that_fills_up_is_said_and_what_was_recorded_stays() {
     let folder = tempfile::tempdir().unwrap();
     let log = path(&folder, "run.mcap");
-    // Without its signal, passing the limit (8 MiB) is an error like any other.
+    // With the signal ignored, passing the limit (8 MiB) is an error like any other.
     let script = "trap '' XFSZ; ulimit -f 16384; exec \"$@\"";
     let mut shell = std::process::Command::new("sh");
     shell.args(["-c", script, "sh"]).arg(socam_tests::program());

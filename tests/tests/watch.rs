@@ -42,7 +42,7 @@ fn a_replayed_log_raises_an_alarm_where_it_changes() {
     let alarms = found["recordings"][1]["alarms"].as_array().unwrap();
     assert_eq!(alarms.len(), 1, "{found}");
     assert_names_the_friction(&alarms[0]);
-    // Without healthy recordings the beginning is the baseline.
+    // Without healthy recordings the beginning of the recording is the baseline.
     let said = run(["watch", &changed, "--learn", "10s"]);
     assert!(said.stderr.contains("baseline: 10.0 s of the healthy bench, 20 blocks"), "{}", said.stderr);
     assert!(said.stderr.contains("warning: 20 blocks are few"), "{}", said.stderr);

@@ -23,14 +23,14 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// From a standard deviation with its degrees of freedom.
+    /// Estimate from a value, its standard deviation and the degrees of freedom of that.
     #[must_use]
     pub fn new(value: f64, std: f64, degrees: f64) -> Self {
         let half = regression::quantile95(degrees) * std;
         Self { value, std, ci95: [value - half, value + half] }
     }
 
-    /// In other units.
+    /// The estimate multiplied by `factor`, such as a conversion to another unit.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         let ends = self.ci95.map(|end| end * factor);
@@ -55,7 +55,7 @@ pub struct Nonlinearity {
     pub percent_of_span: Estimate,
     /// Position of the largest departure, in the unit of x.
     pub at: f64,
-    /// Probability of such a departure if the truth is a straight line.
+    /// Probability of a departure at least as large if the truth is a straight line.
     pub chance: f64,
 }
 
@@ -64,7 +64,7 @@ pub struct Nonlinearity {
 pub struct Line {
     /// Slope.
     pub gain: Estimate,
-    /// At x = 0.
+    /// Value of y at x = 0.
     pub offset: Estimate,
     /// Correlation of both errors.
     pub correlation: f64,

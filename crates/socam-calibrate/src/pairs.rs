@@ -10,7 +10,7 @@ use crate::CalibrateError;
 /// A column, in SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// Its name without the unit.
+    /// Name of the column without the unit.
     pub name: String,
     /// SI unit.
     pub unit: Unit,
@@ -23,7 +23,7 @@ pub struct Measured {
 pub struct Pairs {
     /// The file it came from.
     pub file: String,
-    /// Its columns that have a unit.
+    /// Columns that have a unit.
     pub columns: Vec<Measured>,
 }
 
@@ -41,7 +41,7 @@ impl Pairs {
         Self::parse(file, &text)
     }
 
-    /// The same from text.
+    /// Reads a table from its text.
     ///
     /// # Errors
     /// As [`Self::open`].

@@ -35,8 +35,8 @@ pub fn of_recordings<'p>(paths: impl IntoIterator<Item = &'p Path>) -> (Option<C
     (found.map(|(_, calibration)| calibration), warnings)
 }
 
-/// The model with a gain for every sensor whose uncertainty was measured, known to within that: what the calibration leaves open then
-/// widens the intervals of what is identified.
+/// The model with a gain for every sensor whose uncertainty was measured; the gain's prior has that uncertainty. The remaining
+/// uncertainty of the calibration then widens the intervals of the identified parameters.
 ///
 /// # Errors
 /// [`ModelError`] where a gain cannot be added to the model file.

@@ -62,13 +62,13 @@ pub struct Assumed {
 /// The calibrations, and warnings about unused columns.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Found {
-    /// In the order of the columns.
+    /// Calibrations in the order of the columns.
     pub tasks: Vec<Task>,
     /// One sentence for each unused column.
     pub warnings: Vec<String>,
 }
 
-/// Everything that a table calibrates:
+/// Recognises all calibrations that a table allows:
 ///
 /// * `NAME_V` beside `NAME_rpm`, `NAME_Nm` and the like: the sensor of channel NAME;
 /// * `command_V` beside `motor_speed_rpm`: the motor;
@@ -117,7 +117,8 @@ pub fn of(pairs: &Pairs, assumed: &Assumed) -> Result<Found, CalibrateError> {
     Ok(found)
 }
 
-/// The sensor whose volts are in a column: compared with its own quantity, or with torque by electrical power. The inner error is a
+/// Calibration of the sensor whose volts are in a column: it is compared with its own quantity, or with the torque from electrical
+/// power. The inner error is a warning.
 /// warning.
 fn voltage(
     name: &str,

@@ -44,7 +44,7 @@ pub struct Chart {
     pub lit: Option<usize>,
     /// Opacity of curves, 0 to 1; less than 1 where many lie on each other, see [`opacity`].
     pub opacity: f32,
-    /// What is drawn below the curves, with a colour bar.
+    /// Cloud of dots or field of colours drawn below the curves, with a colour bar.
     pub backdrop: Option<Backdrop>,
     /// Shaded ranges of the horizontal axis, such as gaps.
     pub shaded: Vec<([f64; 2], Color32)>,
@@ -64,7 +64,7 @@ pub struct Chart {
     pub when_empty: &'static str,
 }
 
-/// What is drawn below the curves.
+/// A cloud of dots or a field of colours that is drawn below the curves.
 #[derive(Debug, Clone)]
 pub enum Backdrop {
     /// Dots with colours, on linear axes.
@@ -101,21 +101,21 @@ pub struct Shown {
 pub struct Seen {
     /// The chart's title.
     pub title: String,
-    /// Its horizontal axis.
+    /// Label of the horizontal axis.
     pub x_label: String,
     /// Ranges of its axes, horizontal and vertical.
     pub ranges: [[f64; 2]; 2],
     /// Scales of its axes.
     pub scales: [Scale; 2],
-    /// Its lines.
+    /// Lines of the chart.
     pub curves: Vec<Curve>,
-    /// What is below the lines.
+    /// Cloud of dots or field of colours below the lines.
     pub backdrop: Option<Backdrop>,
-    /// Its shaded ranges.
+    /// Shaded ranges of the horizontal axis.
     pub shaded: Vec<([f64; 2], Color32)>,
-    /// Its bands.
+    /// Bands of the chart.
     pub bands: Vec<(Vec<[f64; 3]>, Color32)>,
-    /// Its vertical lines.
+    /// Vertical lines of the chart.
     pub flags: Vec<Flag>,
 }
 

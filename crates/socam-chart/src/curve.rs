@@ -9,11 +9,11 @@ use super::style::Style;
 pub struct Curve {
     /// Name, for exports and for the text at the pointer.
     pub name: String,
-    /// Its colour.
+    /// Colour of the curve.
     pub colour: Color32,
     /// Parts, each a list of points; a line does not join parts.
     pub parts: Vec<Vec<[f64; 2]>>,
-    /// How it is drawn.
+    /// Style of the line.
     pub style: Style,
 }
 
@@ -24,7 +24,7 @@ pub struct Flag {
     pub x: f64,
     /// Short text; may be empty.
     pub text: String,
-    /// Its colour.
+    /// Colour of the mark.
     pub colour: Color32,
 }
 

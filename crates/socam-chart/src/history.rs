@@ -21,7 +21,7 @@ impl<T: Clone + PartialEq> ViewHistory<T> {
         Self { views: vec![first], now: 0, changed_s: f64::NEG_INFINITY }
     }
 
-    /// Notes what is shown at a time, s, such as in every frame. A change forgets what was undone.
+    /// Records the view that is shown at `time_s`, such as in every frame. A change discards the views that were undone.
     pub fn note(&mut self, view: &T, time_s: f64) {
         if self.views[self.now] == *view {
             return;

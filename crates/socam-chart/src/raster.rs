@@ -96,7 +96,7 @@ struct Edge {
     along: Vec2,
     /// Columns per row.
     slope: f32,
-    /// Each pixel on an edge that two triangles share belongs to one of them.
+    /// Whether pixels exactly on the edge belong to this triangle. Of two triangles that share an edge, one owns it.
     owns: bool,
 }
 
@@ -118,8 +118,9 @@ impl Edge {
     }
 }
 
-/// The columns of a row, whose middles are at height `y`, that lie inside of all edges. Where the edges cross it is found by their
-/// slopes, and the pixels beside are then looked at one by one, so that neighbours agree on who has them.
+/// Columns of a row at height `y` whose pixel centres lie inside all edges. The crossings of the edges are computed from their
+/// slopes, and the pixels beside them are then tested one by one, so that each pixel belongs to exactly one of two neighbouring
+/// triangles.
 fn span(edges: &[Edge; 3], y: f32, [mut first, mut last]: [i32; 2]) -> [i32; 2] {
     for edge in edges {
         // Cut off, not rounded down, which takes a call: at the left border that is one pixel less to look at, and none is lost.

@@ -1,8 +1,8 @@
-//! How the line of a curve is drawn.
+//! Styles of the line of a curve.
 
 pub use egui_plot::MarkerShape;
 
-/// How a line is drawn.
+/// Style of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Style {
     /// A line.
@@ -13,6 +13,6 @@ pub enum Style {
     Dotted,
     /// Markers only.
     Markers(MarkerShape),
-    /// A line with markers at large distances, for lines whose colour another line has already.
+    /// A line with markers at large distances, for lines that share their colour with another line.
     Marked(MarkerShape),
 }

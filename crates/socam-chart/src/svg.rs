@@ -173,7 +173,7 @@ impl Drawing {
 
 /// Dots as lines of length zero with round ends, grouped by their shade.
 fn dots(dots: &[[f64; 3]], colours: &Colours, style: &mut Classes) -> Vec<Owned> {
-    // On paper all colours of the bar show.
+    // Exports show the full range of colours.
     let colours = Colours::of_fields(colours.range, "");
     let shade = |value: f64| ((colours.share(value) * SHADES as f64) as usize).min(SHADES - 1);
     let group = |number: usize| {

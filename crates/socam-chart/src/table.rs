@@ -72,7 +72,7 @@ impl<'a> Table<'a> {
         self.show_unfolding(ui, rows, key, cell, |_| false, |_, _| {});
     }
 
-    /// As [`Self::show`]; `details` are drawn below each row that `is_open`, as wide as the table.
+    /// Draws the table with expandable rows: `details` fills the full width below each row for which `is_open` holds.
     pub fn show_unfolding<R>(
         self,
         ui: &mut Ui,
@@ -91,7 +91,7 @@ impl<'a> Table<'a> {
             }
             None => (0..rows.len()).collect(),
         };
-        // A row and, where it is open, its details, whose height is that of the last pass.
+        // Each entry is a row and whether it is the row's details, whose height is that of the last pass.
         let lines: Vec<(usize, bool)> = order
             .into_iter()
             .flat_map(|row| [Some((row, false)), is_open(&rows[row]).then_some((row, true))])

@@ -39,13 +39,13 @@ impl Texture {
         Self { handle, image }
     }
 
-    /// Its name in meshes.
+    /// Id of the texture in meshes.
     #[must_use]
     pub fn id(&self) -> TextureId {
         self.handle.id()
     }
 
-    /// Its pixels.
+    /// Pixels of the texture.
     #[must_use]
     pub fn image(&self) -> &ColorImage {
         &self.image

@@ -85,7 +85,7 @@ pub fn marker(number: usize) -> Option<MarkerShape> {
     round.checked_sub(1).map(|round| SHAPES[round % SHAPES.len()])
 }
 
-/// How the line of this number is drawn.
+/// Style of the line with this number.
 #[must_use]
 pub fn style(number: usize) -> Style {
     marker(number).map_or(Style::Solid, Style::Marked)

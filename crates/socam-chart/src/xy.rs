@@ -32,7 +32,8 @@ pub struct Thinner {
 }
 
 impl Thinner {
-    /// For a picture of these ranges, horizontal and vertical, with so many cells: about one for each two pixels.
+    /// Creates a thinner for a picture with these ranges, horizontal and vertical. `cells` is their number in each direction: about
+    /// one for every two pixels.
     #[must_use]
     pub fn new(ranges: [[f64; 2]; 2], cells: [usize; 2]) -> Self {
         let cells = cells.map(|count| count.clamp(1, 4096));

@@ -21,9 +21,9 @@ const RANGE: u8 = 0x00;
 /// Order in which the channels are converted. Alternated, all channels have the same mean instant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Order {
-    /// From the first channel to the last.
+    /// Channels are converted from the first to the last.
     Forth,
-    /// From the last channel to the first.
+    /// Channels are converted from the last to the first.
     Back,
 }
 

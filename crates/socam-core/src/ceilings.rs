@@ -16,7 +16,7 @@ pub struct Ceilings {
 }
 
 impl Ceilings {
-    /// What the integers of this crate hold: for a board without a bench that could be hurt.
+    /// The largest limits that the integers of this crate can hold, for a board with no bench attached that could be damaged.
     pub const WIDEST: Self = Self {
         output_uv: i32::MAX,
         speed_urad_s: i32::MAX,

@@ -146,7 +146,8 @@ impl Default for Config {
 }
 
 impl SpeedControl {
-    /// From physical gains: V per rad/s, and V per rad (that is V per rad/s and second).
+    /// Creates the controller from its physical gains: `proportional` in V per rad/s and `integral_per_s` in V per rad/s and
+    /// second, which equals V per rad.
     pub fn with_gains(
         motor: &MotorCalibration,
         tachometer: u8,

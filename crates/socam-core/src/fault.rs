@@ -84,7 +84,7 @@ pub enum Fault {
     },
     /// The drive's enable line is not where the board put it.
     EnableStuck {
-        /// Where the line is.
+        /// Whether the line reads as enabled.
         is_on: bool,
     },
     /// The configuration, the profile or the state in the board's memory is not what was written there.
@@ -93,7 +93,7 @@ pub enum Fault {
     PowerLost,
     /// A run lasted longer, by the clock, than its profile or the board allows.
     RunTooLong {
-        /// What they allow.
+        /// Longest time that the profile and the board allow, µs.
         limit_us: u64,
     },
     /// The board's program is not the one that was flashed.
@@ -103,7 +103,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// Its number, the same in all versions.
+    /// Number of the fault, the same in all versions.
     pub fn code(&self) -> u8 {
         match self {
             Self::EmergencyStop => 1,

@@ -28,7 +28,7 @@ impl<const N: usize> Ring<N> {
         Self::starting_at(0)
     }
 
-    /// The same, whose first sample has this position: tests begin just before positions wrap.
+    /// Creates an empty ring whose next position is `position`. For tests of wrap-around.
     pub(crate) const fn starting_at(position: u32) -> Self {
         let () = Self::SIZE_IS_POWER_OF_TWO;
         Self {

@@ -22,7 +22,7 @@ pub enum State {
 }
 
 impl State {
-    /// Its number, the same in all versions.
+    /// Number of the state, the same in all versions.
     pub fn code(self) -> u8 {
         match self {
             Self::Idle => 0,
@@ -63,7 +63,7 @@ impl fmt::Display for State {
     }
 }
 
-/// This many different sensors do not read the same count by chance, ...
+/// Number of sensors from which equal counts in all of them are a fault, not chance, ...
 const DISAGREE_FROM_CHANNELS: usize = 4;
 
 /// ... unless at rest: a hundredth of the converter's range.
@@ -75,8 +75,8 @@ const AT_REST_COUNT: u16 = 328;
 /// 0.4 codes of noise, p = 0.79, would give one in 12 days; it cannot be told from a frozen one and needs a longer time or none.
 const FEWEST_CODES: u32 = 100;
 
-/// The same for samples, where single conversions are not known. A mean over eight of them has 0.41 of their noise, 0.24 codes:
-/// p = 0.96 and p^1000 = 2e-17.
+/// Fewest equal means in a row that are a stuck channel, for samples whose single conversions are not known. A mean over eight
+/// conversions has 0.41 of their noise, 0.24 codes: p = 0.96 and p^1000 = 2e-17.
 const FEWEST_MEANS: u32 = 1000;
 
 /// Watches the channels against their limits, sample by sample.
@@ -98,7 +98,7 @@ struct ChannelWatch {
     missing_after: u32,
 }
 
-/// How many equal readings in a row are a stuck channel.
+/// Number of equal readings in a row that are a stuck channel.
 #[derive(Debug, Clone, Copy)]
 struct StuckAfter {
     samples: u32,

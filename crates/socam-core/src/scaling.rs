@@ -95,7 +95,7 @@ pub struct MotorCalibration {
 }
 
 impl MotorCalibration {
-    /// With mechanism and load (thesis, eq. 2.1).
+    /// Motor line with mechanism and load (thesis, eq. 2.1).
     pub const LOADED: Self = Self { rpm_per_volt: 721.8443, offset_rpm: -12.4679 };
     /// Printed as without load (thesis, eq. 2.2). It gives less speed for a voltage than with load: the captions are
     /// probably swapped.
@@ -175,7 +175,7 @@ pub fn micro(value: f64) -> i32 {
     round(value * 1e6) as i32
 }
 
-/// To the nearest integer, halves away from zero; `core` has no `f64::round`.
+/// Rounds to the nearest integer, halves away from zero; `core` has no `f64::round`.
 fn round(x: f64) -> f64 {
     // From 2^52 on every f64 is an integer.
     if x.abs() < 4_503_599_627_370_496.0 { (x + 0.5f64.copysign(x)) as i64 as f64 } else { x }

@@ -85,7 +85,7 @@ fn explore<const N: usize, const PUSHES: u32>(
         // Threads of loom have no scope.
         let ring: &'static mut Ring<N> = Box::leak(Box::new(Ring::starting_at(start)));
         let (mut producer, mut consumer): (Producer<'_, N>, Consumer<'_, N>) = ring.split();
-        // Every word is made before there are two threads, and holds what a sample before left there.
+        // Before there are two threads, every word is created and holds a value from an earlier sample.
         while producer.push(&sample(STALE)) {}
         while consumer.pop().is_some() {}
         let interrupt = thread::spawn(move || (0..PUSHES).filter(|seq| producer.push(&sample(*seq))).count());

@@ -1,4 +1,4 @@
-//! What a picture of the running bench costs: `cargo run --release -p socam-dashboard --example live_frame -- [FRAMES]`.
+//! Cost of a picture of the running bench: `cargo run --release -p socam-dashboard --example live_frame -- [FRAMES]`.
 //!
 //! Six channels at 10 kHz come in through the live view's own link; ten seconds of them are in sight at 1280x800. Prints, for each
 //! step of a frame, the time of the processor, which other programs on the machine do not lengthen, and the frames per second that a

@@ -1,4 +1,4 @@
-//! What a long recording costs: `cargo run --release -p socam-dashboard --example long_recording -- [MILLION_SAMPLES] [FOLDER]`.
+//! Cost of a long recording: `cargo run --release -p socam-dashboard --example long_recording -- [MILLION_SAMPLES] [FOLDER]`.
 //!
 //! Indexes five decoded columns, opens the index again, and pans and zooms through them at 1280x800; prints rates, times and memory.
 //! Beside times on the wall it prints those of the processor, which other programs on the machine do not lengthen.

@@ -1,4 +1,4 @@
-//! The check view: the findings of `check` for the open recordings, as a table whose rows unfold.
+//! Check view: the findings of `check` for the open recordings, as a table with expandable rows.
 
 mod row;
 

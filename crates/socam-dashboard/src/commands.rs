@@ -1,4 +1,4 @@
-//! Everything that menus and keys do: one list, from which menus, shortcuts and the help are made.
+//! List of all commands, from which menus, shortcuts and the help are made.
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
@@ -98,7 +98,7 @@ impl Command {
         }
     }
 
-    /// Its keys.
+    /// Keyboard shortcut of the command.
     pub(crate) fn keys(self) -> Option<KeyboardShortcut> {
         match self {
             Self::Show(view) => {

@@ -33,7 +33,7 @@ struct Notice {
 /// Simulates a model with the inputs of the recording of that name; an error is one sentence.
 pub type Simulate = fn(&Model, &str) -> Result<Recording, String>;
 
-/// Everything that is shown.
+/// The dashboard with all its views.
 pub struct Dashboard {
     simulate: Option<Simulate>,
     /// The layout that is kept from one start to the next.
@@ -47,15 +47,15 @@ pub struct Dashboard {
     pub(crate) opening: Vec<Job<opening::Opened>>,
     saving: Vec<Job<opening::Saved>>,
     notices: Vec<Notice>,
-    /// What is saved once its place is known.
+    /// Content that is saved once a place for it is chosen.
     content: Option<Content>,
     /// The window that explains each control.
     pub help: help::Window,
-    /// Where the emergency stop was drawn in the last frame, points.
+    /// Rectangle of the emergency stop in the last frame, points.
     stop_button: egui::Rect,
     /// The file that the picture of this pass is written to.
     exporting: Option<PathBuf>,
-    /// What only this platform has.
+    /// Parts that only this platform has.
     pub(crate) own: platform::Own,
 }
 

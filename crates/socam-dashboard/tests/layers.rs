@@ -1,4 +1,4 @@
-//! Which crates a layer of the window must not be built from.
+//! Checks that a layer of the window is not built from crates that it must not use.
 
 use std::collections::BTreeSet;
 use std::process::Command;

@@ -1,4 +1,4 @@
-//! What drives the machine and what is measured.
+//! Channels: inputs that drive the machine, and measured outputs.
 
 use socam_model::column_unit;
 use socam_recording::Dataset;

@@ -62,16 +62,16 @@ Drive and measurements are QUANTITY@PART[:COLUMN[*SCALE][ UNIT]]: torque@motor:c
   drive    torque, current, voltage, speed, position (a servo, the column is its reference)
   measure  speed, angle, position, acceleration; torque through a coupling, shaft, belt or sensor; current";
 
-/// What a user says of a machine.
+/// A user's description of a machine.
 #[derive(Debug, Clone, Copy)]
 pub struct Description<'d> {
     /// Name of the model.
     pub name: &'d str,
-    /// Its parts, see [`GRAMMAR`].
+    /// Parts of the machine, see [`GRAMMAR`].
     pub chain: &'d str,
-    /// What drives it, at least one.
+    /// Drives of the machine, at least one.
     pub drives: &'d [String],
-    /// What is measured, at least one.
+    /// Measured channels, at least one.
     pub measures: &'d [String],
 }
 
@@ -90,9 +90,9 @@ pub enum DescribeError {
     /// A part, a drive or a measurement that is not understood.
     #[error("`{text}`: {problem}")]
     Text {
-        /// What was written.
+        /// Text in which the mistake is.
         text: String,
-        /// What is wrong with it, and what to write.
+        /// Explanation: what is wrong with the text, and what to write.
         problem: String,
     },
     /// The parts do not make a machine.

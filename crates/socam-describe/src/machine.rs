@@ -67,7 +67,7 @@ pub(crate) struct Channel {
     pub(crate) unit: Option<String>,
     pub(crate) scale: Option<f64>,
     pub(crate) take_rate: bool,
-    /// What the scale converts.
+    /// Explanation of the conversion by `scale`.
     pub(crate) remark: String,
 }
 

@@ -13,7 +13,7 @@ pub(crate) struct Part {
     pub(crate) kind: Kind,
 }
 
-/// What a part is.
+/// Kind of part.
 #[derive(Debug, Clone)]
 pub(crate) enum Kind {
     /// A node with inertia.
@@ -26,7 +26,7 @@ pub(crate) enum Kind {
     Gear {
         ratio: Parameter,
     },
-    /// From turns to travel; `lead` in m per turn.
+    /// A screw, which converts turns to travel; its lead is in m per turn.
     Screw {
         lead_m: f64,
         stiffness: Option<Size>,
@@ -54,7 +54,7 @@ pub(crate) enum BodyRole {
     Other,
 }
 
-/// What a part may be called, and how it is written.
+/// Names of parts, and examples of how each is written.
 const KINDS: [(&[&str], &str); 10] = [
     (&["motor"], "motor 0.9kgcm2, and for a drive by current or voltage 0.055Nm/A 1.2ohm 0.5mH"),
     (&["coupling", "spring"], "coupling 800Nm/rad, coupling jaw, coupling bellows or coupling rigid"),
@@ -153,7 +153,7 @@ fn body(words: &mut Words, kind: &str) -> Result<Body, DescribeError> {
     Ok(Body { role, inertia: Some(inertia), ..Body::default() })
 }
 
-/// A spring whose stiffness is given, or usual.
+/// A spring whose stiffness is the given one, or a usual value.
 fn spring(words: &mut Words, relaxation_s: f64, usual: impl FnOnce() -> Parameter) -> Kind {
     let given = words.take("N m/rad").or_else(|| words.take("N/m"));
     let stiffness = given.map_or_else(usual, |size| Parameter::given(&size));

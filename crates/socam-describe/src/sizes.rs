@@ -1,17 +1,17 @@
-//! Values of parameters: as given, from sizes and masses, or as usual.
+//! Start values of parameters: given by the user, computed from sizes and masses, or typical.
 
 use crate::words::Size;
 
-/// How well a start value is known; the least first.
+/// Trust in a start value, the least first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Trust {
-    /// What is usual.
+    /// A typical value.
     Usual,
-    /// From a recording.
+    /// A value from a recording.
     Recorded,
-    /// From masses and sizes.
+    /// A value computed from masses and sizes.
     Computed,
-    /// As the user gave it.
+    /// The user's value.
     Given,
 }
 
@@ -22,7 +22,7 @@ pub(crate) struct Parameter {
     pub(crate) unit: String,
     /// Value in SI divided by `value`.
     pub(crate) factor: f64,
-    /// In `unit`; `None` for a fixed parameter.
+    /// Bounds in `unit`; `None` for a fixed parameter.
     pub(crate) bounds: Option<[f64; 2]>,
     pub(crate) fixed: bool,
     pub(crate) source: String,
@@ -42,7 +42,7 @@ impl Parameter {
         }
     }
 
-    /// As the user gave it; the search may leave it by a factor of five.
+    /// The value that the user gave. Its bounds are a factor of five away.
     pub(crate) fn given(size: &Size) -> Self {
         let value = size.value;
         let source = format!("given: {value} {}", size.unit);
@@ -51,13 +51,14 @@ impl Parameter {
         Self { factor: size.si / value, ..Self::new(value, unit, ends, source, Trust::Given) }
     }
 
-    /// From sizes, by a formula whose words are the source; `lower` and `upper` are how far the truth may be from it.
+    /// A value computed from sizes; `source` states the formula in words. The bounds are the value divided by `lower` and
+    /// multiplied by `upper`.
     pub(crate) fn computed(value: f64, unit: &str, (lower, upper): (f64, f64), source: String) -> Self {
         let value = rounded(value);
         Self::new(value, unit, [value / lower, value * upper], source, Trust::Computed)
     }
 
-    /// Usual: between `low` and `high`, and the search may leave them by a factor of ten.
+    /// A typical value between `low` and `high`. Its bounds are a factor of ten beyond these.
     pub(crate) fn usual(value: f64, unit: &str, low: f64, high: f64, of: &str) -> Self {
         let source = format!("typical of {of}: {low} to {high} {unit}; write your own value");
         Self::new(value, unit, [low / 10.0, high * 10.0], source, Trust::Usual)
@@ -78,7 +79,7 @@ impl Parameter {
     }
 }
 
-/// To three significant digits.
+/// Rounds to three significant digits.
 pub(crate) fn rounded(value: f64) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return value;

@@ -8,7 +8,7 @@ use crate::DescribeError;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Size {
     pub(crate) value: f64,
-    /// As written; empty for a bare number.
+    /// Unit as written; empty for a bare number.
     pub(crate) unit: String,
     /// Value in SI.
     pub(crate) si: f64,
@@ -115,7 +115,7 @@ impl Words {
         Some(self.names.remove(at))
     }
 
-    /// Refuses what no one has taken. `how` says how such a part is written.
+    /// Refuses words that no part has used. `how` explains how the part is written.
     pub(crate) fn finish(&self, how: &str) -> Result<(), DescribeError> {
         let size = |size: &Size| format!("{}{}", size.value, size.unit);
         let name = self.names.first().cloned();

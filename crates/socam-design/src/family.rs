@@ -142,7 +142,7 @@ fn prbs(limits: &Limits, mean: f64, bit_s: f64) -> ProfileFile {
     profile(limits, Course::Prbs { offset: mean * limits.voltage, amplitude: 0.1, bit_s, order: 9, seed: 1 })
 }
 
-/// From one end of the range to the other and back.
+/// A staircase from one end of the range to the other and back.
 fn staircase(limits: &Limits, dwell_s: f64) -> ProfileFile {
     let high = FULL * limits.voltage;
     let low = if limits.one_way { 0.2 * high } else { -high };

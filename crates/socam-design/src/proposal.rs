@@ -22,7 +22,8 @@ pub struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// Of a design with its profile's text, the names of two models that it tells apart, and the widths of a profile to compare with.
+    /// Document of a design: the text of its profile, the names of two models that it distinguishes, and the widths of a profile
+    /// for comparison.
     #[must_use]
     pub fn new(
         design: &'a Design,

@@ -70,7 +70,7 @@ impl Rig {
         self.limits
     }
 
-    /// The same rig with another model.
+    /// This rig with another model.
     pub(crate) fn with_setup(&self, setup: Setup) -> Self {
         Self { setup, limits: self.limits }
     }

@@ -14,7 +14,7 @@ use crate::{DesignError, family};
 const ROUNDS: u32 = 3;
 /// Number of profiles for which the rival is fitted in full.
 const FITTED: usize = 3;
-/// Iterations of such a fit.
+/// Iterations of a full fit of the rival.
 const ITERATIONS: usize = 25;
 
 /// A profile that was tried.
@@ -22,24 +22,24 @@ const ITERATIONS: usize = 25;
 pub struct Tried {
     /// The profile, attenuated to the limits.
     pub profile: ProfileFile,
-    /// Score, the smaller the better; of [`sharpest`] the widest relative half-width.
+    /// Score, the smaller the better; for [`sharpest`] it is the widest relative half-width.
     pub score: f64,
-    /// All widths, of [`sharpest`].
+    /// All widths; filled by [`sharpest`].
     pub widths: Vec<Width>,
-    /// Of [`telling_apart`]: root of the chi-square that remains after a fit of the rival.
+    /// Root of the chi-square that remains after a fit of the rival; filled by [`telling_apart`].
     pub distance: Option<f64>,
 }
 
 /// Result of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
-    /// The best.
+    /// The best profile.
     pub best: Tried,
-    /// The best of each family in the first round, best first.
+    /// The best profile of each family in the first round, the best first.
     pub others: Vec<Tried>,
     /// Quantities whose widest interval was minimised.
     pub wanted: Vec<String>,
-    /// How many profiles were run.
+    /// Number of profiles that were tried.
     pub tried: usize,
 }
 

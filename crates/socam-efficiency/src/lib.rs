@@ -67,7 +67,7 @@ pub struct Point {
     pub torque: f64,
     /// Power out over power in.
     pub efficiency: Estimate,
-    /// The same with speeds of both tachometers, as in chapter 5 of the thesis.
+    /// Power out over power in, with speeds of both tachometers, as in chapter 5 of the thesis.
     pub by_tachometers: Option<f64>,
 }
 

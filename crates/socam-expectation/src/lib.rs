@@ -13,10 +13,10 @@ use socam_recording::check::{BothWays, CheckOptions, FixedRatio, FreeParameters,
 /// Damping ratio above which a mode has no resonance peak.
 const NO_PEAK: f64 = 0.7;
 
-/// Influence of a parameter on a resonance, relative to the strongest one, from which on the parameter counts.
+/// A parameter counts as resonant if its influence on the resonance is at least this fraction of the strongest parameter's.
 const INFLUENCE: f64 = 0.2;
 
-/// Relative step of a parameter for its influence.
+/// Relative step of a parameter by which its influence is computed.
 const STEP: f64 = 1e-4;
 
 /// The requirements of a model; `ratio_tolerance` is the relative tolerance of the ratio of mean speeds.
@@ -35,8 +35,8 @@ pub fn of_model(model: &Model, ratio_tolerance: f64) -> CheckOptions {
     }
 }
 
-/// The channel that drives the model: preferably one whose column is its own quantity, else one that is derived from a column (the rate of
-/// an encoder's angle, whose excitation is checked as a rate).
+/// The channel that drives the model. A channel whose column holds its own quantity is preferred to one that is derived from a
+/// column, such as the rate of an encoder's angle, whose excitation is checked as a rate.
 fn input(model: &Model) -> Option<&Channel> {
     let mut inputs = model.inputs().filter(|channel| !channel.quantity.is_clock());
     model.inputs().find(|channel| is_recorded(channel)).or_else(|| inputs.next())

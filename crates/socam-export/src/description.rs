@@ -1,4 +1,4 @@
-//! What all targets read: the model with identifiers, intervals, and the coordinates that rigid gears and shafts leave.
+//! Description that all targets read: the model with identifiers, intervals, and the coordinates that rigid gears and shafts leave.
 
 use socam_model::{Channel, Model, Quantity, Role, Site, effects::Form};
 
@@ -28,12 +28,12 @@ pub(crate) struct Point {
     pub(crate) identifier: String,
     pub(crate) angle: String,
     pub(crate) speed: String,
-    /// Of its joint, and of its tendon.
+    /// Identifiers of the node's joint and of its tendon.
     pub(crate) joint: String,
     pub(crate) tendon: String,
     pub(crate) coordinate: usize,
     pub(crate) lever: Lever,
-    /// Parameters whose sum is its inertia.
+    /// Parameters whose sum is the inertia of the node.
     pub(crate) inertias: Vec<usize>,
 }
 

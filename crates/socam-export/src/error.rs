@@ -18,7 +18,7 @@ pub enum ExportError {
     NoFormula {
         /// Id of the effect.
         effect: String,
-        /// Its place.
+        /// Name of the place.
         place: String,
     },
     /// The XML writer failed.

@@ -10,7 +10,7 @@ pub(crate) enum Formula {
     Call(String, Vec<Self>),
 }
 
-/// How a language writes formulas.
+/// Notation of formulas in a language.
 pub(crate) struct Dialect {
     /// Operator of powers.
     pub(crate) power: &'static str,

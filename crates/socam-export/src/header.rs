@@ -1,4 +1,5 @@
-//! What every file says of itself: where it comes from, its parameters with their intervals, and what it leaves out.
+//! Header comment of every exported file: its origin, its parameters with their intervals, and the parts of the model that it
+//! leaves out.
 
 use crate::{LeftOut, Provenance, Target, description::Description, names::line};
 

@@ -66,7 +66,7 @@ impl Target {
     pub const ALL: [Self; 7] =
         [Self::Mujoco, Self::Urdf, Self::Sdf, Self::Modelica, Self::Simscape, Self::Matlab, Self::Python];
 
-    /// Its name in sentences.
+    /// Name of the target in sentences.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -106,7 +106,7 @@ impl Target {
 pub struct Exported {
     /// The file.
     pub text: String,
-    /// What the target does not hold, or holds only in part.
+    /// Parts of the model that the target does not hold, or holds only in part.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -115,7 +115,7 @@ pub struct Exported {
 pub struct LeftOut {
     /// The part by its name.
     pub what: String,
-    /// What becomes of it.
+    /// Explanation of what happens to the part.
     pub why: String,
 }
 

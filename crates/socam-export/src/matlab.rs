@@ -7,7 +7,7 @@ use crate::{
     names::single_quoted, program::Program, python::delays_of_laws,
 };
 
-/// What does not depend on the model.
+/// Code that does not depend on the model.
 const SOLVER: &str = include_str!("matlab/solver.m");
 
 pub(crate) fn write(d: &mut Description<'_>) -> Result<Exported, ExportError> {

@@ -20,7 +20,7 @@ use chain::Chain;
 /// Standard gravity, m/s2.
 const GRAVITY: f64 = 9.806_65;
 
-/// What acts on the joint of a coordinate.
+/// Torques that act on the joint of a coordinate.
 #[derive(Clone, Default)]
 pub(crate) struct Joint {
     pub(crate) damping: f64,
@@ -114,7 +114,8 @@ fn body(
     }
     if joint.dry > 0.0 {
         attributes.push(attribute("frictionloss", format!("{:?}", joint.dry)));
-        // As hard as the solver allows: it stops a joint within two steps, and creeps by 1e-4 of what stops it.
+        // Friction is as hard as the solver allows: it stops a joint within two steps, and creeps by 1e-4 of the motion that it
+        // stops.
         attributes.push(attribute("solreffriction", numbers(&[2.0 * chain.time_step_s, 1.0])));
         attributes.push(attribute("solimpfriction", numbers(&[0.9999, 0.9999, 0.001, 0.5, 2.0])));
     }

@@ -1,10 +1,10 @@
-//! What URDF and SDF share: loads of nodes, and what neither holds.
+//! Common parts of URDF and SDF: loads of nodes, and parts of the model that neither format holds.
 
 use socam_model::{Quantity, Site, effects::Form};
 
 use crate::{LeftOut, description::Description, shape::Shape};
 
-/// What bearings and laws put on a node.
+/// Load that bearings and laws put on a node.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Load {
     pub(crate) damping: f64,

@@ -21,7 +21,7 @@ pub(crate) struct Assignment {
     pub(crate) formula: Formula,
 }
 
-/// What a section of the assignments computes, as a comment.
+/// A line of the program: a comment on what the next assignments compute, or an assignment.
 pub(crate) enum Line {
     Comment(String),
     Assignment(Assignment),
@@ -31,9 +31,9 @@ pub(crate) enum Line {
 pub(crate) struct State {
     /// Identifier of the state.
     pub(crate) name: String,
-    /// What it is.
+    /// Meaning of the state, for a comment.
     pub(crate) meaning: String,
-    /// Its time derivative.
+    /// Time derivative of the state.
     pub(crate) rate: Formula,
 }
 
@@ -56,9 +56,9 @@ pub(crate) struct Program {
     pub(crate) states: Vec<State>,
     pub(crate) unknowns: Vec<Unknown>,
     pub(crate) lines: Vec<Line>,
-    /// In the order of [`Description::outputs`].
+    /// Outputs in the order of [`Description::outputs`].
     pub(crate) outputs: Vec<Output>,
-    /// Inputs whose time derivative is used, by their place in [`Description::inputs`], with the identifier of the derivative.
+    /// Inputs whose time derivative is used, by their position in [`Description::inputs`], with the identifier of the derivative.
     pub(crate) changes: Vec<(usize, String)>,
 }
 

@@ -1,8 +1,8 @@
-//! Where an exported model comes from.
+//! Origin of an exported model.
 
 use sha2::{Digest, Sha256};
 
-/// Where an exported model comes from.
+/// Origin of an exported model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Provenance {
     /// Name of the model file.
@@ -14,7 +14,7 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// Of a model file with this text.
+    /// Origin of a model that comes from the file `file` with this text.
     #[must_use]
     pub fn new(file: &str, text: &str) -> Self {
         let digest = Sha256::digest(text.as_bytes());

@@ -7,7 +7,7 @@ use crate::{
     names::quoted, program::Program,
 };
 
-/// What does not depend on the model.
+/// Code that does not depend on the model.
 const SOLVER: &str = include_str!("python/solver.py");
 
 pub(crate) fn write(d: &mut Description<'_>) -> Result<Exported, ExportError> {

@@ -4,7 +4,7 @@ use socam_model::{EffectUse, Site, effects::Acts};
 
 use crate::formula::Formula;
 
-/// What an effect is to other simulators. The numbers are indices of parameters of the model.
+/// Form of an effect in other simulators. Numbers are indices of parameters of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Shape {
     /// Dry friction of constant size.
@@ -76,7 +76,7 @@ impl Shape {
     }
 }
 
-/// Whether a formula is a template, whose capital letters are bound to parameters.
+/// Whether a formula fits a template, whose capital letters are then bound to parameters.
 fn fits(
     template: &Formula,
     formula: &Formula,

@@ -84,7 +84,7 @@ fn no_effect_is_dropped_without_a_word() {
             let said = exported.left_out.iter().any(|part| part.what == what);
             let held = HELD.iter().any(|id| what.starts_with(id));
             assert!(said || held, "{} drops {what}", target.name());
-            // What is said on the side is said in the file too.
+            // Each part that is listed as left out is named in the file too.
             assert!(!said || exported.text.contains(&format!("{what}: ")), "{what}");
             roxmltree::Document::parse(&exported.text).unwrap_or_else(|error| panic!("{what}: {error}"));
         }

@@ -1,4 +1,4 @@
-//! What a large table costs to look at: `cargo run --release -p socam-fleet --example large_table -- ROWS MACHINES`.
+//! Cost of displaying a large table: `cargo run --release -p socam-fleet --example large_table -- ROWS MACHINES`.
 
 use std::path::Path;
 use std::time::Instant;

@@ -9,7 +9,7 @@ use crate::row::{Finding, Row, Stage, Status, Verdict};
 use crate::statistics::trend::Point;
 
 const DAY_MS: f64 = 86_400_000.0;
-/// Largest number of rows whose trouble is kept in words.
+/// Largest number of troubles that are kept with their messages.
 const MOST_TROUBLES: usize = 1000;
 
 /// Counts of rows.
@@ -17,24 +17,24 @@ const MOST_TROUBLES: usize = 1000;
 pub struct Counts {
     /// All recordings.
     pub recordings: u64,
-    /// Whose model is adequate.
+    /// Recordings whose model is adequate.
     pub adequate: u64,
-    /// In which physics with a name is missing.
+    /// Recordings in which a known effect is missing from the model.
     pub missing_physics: u64,
-    /// In which something without a name is missing.
+    /// Recordings in which something is missing from the model that no known effect explains.
     pub unexplained: u64,
-    /// That cannot be read.
+    /// Recordings that cannot be read.
     pub unreadable: u64,
-    /// That this model cannot be fitted to.
+    /// Recordings that this model cannot be fitted to.
     pub unfit: u64,
-    /// Whose computation failed.
+    /// Recordings whose computation failed.
     pub failed: u64,
-    /// That got the full diagnosis.
+    /// Recordings that got the full diagnosis.
     pub diagnosed: u64,
 }
 
 impl Counts {
-    /// Without a verdict.
+    /// Number of recordings without a verdict.
     #[must_use]
     pub fn without(&self) -> u64 {
         self.unreadable + self.unfit + self.failed
@@ -59,9 +59,9 @@ impl Counts {
 /// A recording without a verdict.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Trouble {
-    /// Its name.
+    /// Name of the recording.
     pub recording: String,
-    /// What kind of trouble.
+    /// Kind of trouble.
     pub status: Status,
     /// Why.
     pub message: String,
@@ -103,7 +103,7 @@ pub(crate) struct Known {
     pub(crate) is_material: bool,
     /// Material findings, as `EFFECT@PLACE`.
     pub(crate) findings: BTreeSet<String>,
-    /// By parameter: estimates. A day is NaN where no date is known.
+    /// Estimates by parameter index. The day is NaN if no date is known.
     pub(crate) estimates: BTreeMap<usize, Vec<Point>>,
 }
 
@@ -112,9 +112,9 @@ pub(crate) struct Known {
 pub(crate) struct Collected {
     pub(crate) counts: Counts,
     pub(crate) machines: BTreeMap<String, Known>,
-    /// Names and units of those that some recording determines, or fails to.
+    /// Names and units of the parameters that some recording determines, or fails to determine.
     pub(crate) parameters: Vec<(String, String)>,
-    /// By effect and place.
+    /// Findings by effect and place.
     pub(crate) found: BTreeMap<(String, String), Found>,
     pub(crate) troubles: Vec<Trouble>,
 }

@@ -13,9 +13,9 @@ pub enum FleetError {
     /// A file or folder cannot be read or written.
     #[error("cannot {action} `{path}`: {source}")]
     Io {
-        /// Its path.
+        /// Path of the file.
         path: PathBuf,
-        /// What was tried.
+        /// Action that failed.
         action: &'static str,
         /// The system's answer.
         source: io::Error,
@@ -23,9 +23,9 @@ pub enum FleetError {
     /// A list of recordings is not one.
     #[error("`{path}`: {problem}")]
     List {
-        /// Its path.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong, and what is expected.
+        /// Explanation: what is wrong, and what is expected.
         problem: String,
     },
     /// Rows cannot become columns, or columns rows.
@@ -34,9 +34,9 @@ pub enum FleetError {
     /// A Parquet file cannot be written or read.
     #[error("`{path}` is no table of a fleet that can be used: {problem}")]
     Table {
-        /// Its path.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong.
+        /// Explanation of what is wrong.
         problem: String,
     },
     /// Parts that are merged were made with other models, options or versions.
@@ -46,19 +46,19 @@ pub enum FleetError {
     Unlike {
         /// Path of the part.
         path: PathBuf,
-        /// What differs.
+        /// Kind of difference.
         what: String,
     },
     /// The part file is written by another process.
     #[error("`{path}` is in use: another run writes the same table")]
     InUse {
-        /// Its path.
+        /// Path of the file.
         path: PathBuf,
     },
     /// A reference recording cannot be used.
     #[error("the reference recording `{recording}` cannot be used: {message}")]
     Reference {
-        /// Its name.
+        /// Name of the recording.
         recording: String,
         /// Why.
         message: String,

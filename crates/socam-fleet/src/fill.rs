@@ -1,4 +1,4 @@
-//! What a screening and a diagnosis put into a row.
+//! Fills the rows of the table from the results of a screening and of a diagnosis.
 
 use socam_diagnose::{
     Diagnosis, Screening,

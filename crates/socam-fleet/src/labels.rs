@@ -13,7 +13,7 @@ pub(crate) fn machine_of_log(data: &Dataset) -> Option<String> {
     (!text.is_empty()).then(|| text.to_owned())
 }
 
-/// When a log was begun, ms since 1970.
+/// Time at which a log was begun, ms since 1970.
 pub(crate) fn date_of_log(data: &Dataset) -> Option<i64> {
     let started = data.contents()?.start_unix_ns.filter(|started| *started > 0)?;
     i64::try_from(started / 1_000_000).ok()

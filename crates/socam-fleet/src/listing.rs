@@ -1,4 +1,4 @@
-//! Which recordings belong to a fleet: those of a folder, or those that a list names.
+//! Lists the recordings of a fleet: those in a folder, or those named in a list.
 
 use std::fs::File;
 use std::io::Read;
@@ -44,7 +44,8 @@ pub fn sources(place: &Path, except: &[&Path]) -> Result<Vec<Source>> {
     Ok(found)
 }
 
-/// Every `of`-th recording, from `number` (1 to `of`): the shards of one list are disjoint and together the whole.
+/// Every `of`-th recording, starting with `number` (1 to `of`). The shards of one list are disjoint and together contain all
+/// recordings.
 #[must_use]
 pub fn shard(all: Vec<Source>, number: usize, of: usize) -> Vec<Source> {
     all.into_iter().skip(number.saturating_sub(1)).step_by(of.max(1)).collect()
@@ -87,10 +88,11 @@ fn listed(list: &Path) -> Result<Vec<Source>> {
     entries(list, file)
 }
 
-/// The recordings that a list names, whose text `reader` gives. Their paths begin with the folder of `list`; their names are what the list says.
+/// Recordings named in the list whose text `reader` returns. Paths are relative to the folder of `list`; names are as written in
+/// the list.
 ///
 /// # Errors
-/// When it is no list.
+/// When the text is not a list of recordings.
 pub fn entries(list: &Path, reader: impl Read) -> Result<Vec<Source>> {
     let problem = |problem: String| FleetError::List { path: list.into(), problem };
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(reader);

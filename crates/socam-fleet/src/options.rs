@@ -1,4 +1,4 @@
-//! What every recording of a fleet is diagnosed with.
+//! Options of the diagnosis that are common to all recordings of a fleet.
 
 use serde::{Deserialize, Serialize};
 use socam_diagnose::Frozen;

@@ -13,11 +13,11 @@ pub const SCHEMA: &str = "socam.fleet/1";
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// It has a verdict.
+    /// The recording has a verdict.
     Ok,
     /// The file cannot be read as a recording.
     Unreadable,
-    /// It is a recording that this model cannot be fitted to.
+    /// The file is a recording, but this model cannot be fitted to it.
     Unfit,
     /// A computation failed.
     Failed,
@@ -46,7 +46,7 @@ pub struct Row {
     pub recording: String,
     /// Serial number of the machine.
     pub machine: Option<String>,
-    /// When it was recorded, ms since 1970 (UTC).
+    /// Time at which the recording was made, ms since 1970 (UTC).
     pub date: Option<i64>,
     /// Whether it was diagnosed.
     pub status: Status,
@@ -64,7 +64,7 @@ pub struct Row {
     pub samples: Option<u64>,
     /// Time from its first to its last sample, s.
     pub duration_s: Option<f64>,
-    /// What is missing from the model, strongest first.
+    /// Effects that are missing from the model, the strongest first.
     pub findings: Vec<Finding>,
     /// All parameters of the base model, fitted to this recording under the frozen noise, and their combinations: what two springs in series
     /// or the bearings of one drivetrain are together is determined where each of them is not.
@@ -102,7 +102,7 @@ pub struct Finding {
     pub material: bool,
     /// Increase of the predictive log score in cross-validation.
     pub log_score_gain: Option<f64>,
-    /// Its standard error.
+    /// Standard error of `log_score_gain`.
     pub log_score_std: Option<f64>,
     /// Competing explanations as `EFFECT@PLACE`, most likely first.
     pub rivals: Vec<String>,
@@ -148,7 +148,7 @@ pub struct ChannelFit {
     pub noise_std: Option<f64>,
     /// Root mean square residual of the base model.
     pub rms: Option<f64>,
-    /// The same of the corrected model; null where no diagnosis was made.
+    /// Root mean square residual of the corrected model; null where no diagnosis was made.
     pub rms_corrected: Option<f64>,
 }
 

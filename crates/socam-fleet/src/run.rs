@@ -16,7 +16,7 @@ use crate::part::Part;
 use crate::row::Row;
 use crate::source::Source;
 
-/// What a run tells while it goes on.
+/// Receives the progress of a run, and can stop it.
 pub trait Observer: Sync {
     /// A recording is done; `known` says that its row was in the part file already.
     fn done(&self, recording: &str, known: bool);
@@ -24,8 +24,8 @@ pub trait Observer: Sync {
     fn stops(&self) -> bool;
 }
 
-/// Diagnoses recordings by `workers` threads and appends their rows to the part file. Recordings whose row it holds are skipped. Returns
-/// the ids of all that are done, in the order of `sources`; `None` where the run was stopped before.
+/// Diagnoses recordings with `workers` threads and appends their rows to the part file. Recordings whose row is already in the part
+/// file are skipped. Returns the ids of all recordings, in the order of `sources`; `None` if the run was stopped before its end.
 ///
 /// # Errors
 /// When the part file cannot be written.
@@ -78,8 +78,8 @@ pub fn run(
     Ok(ids.into_iter().collect())
 }
 
-/// What healthy recordings show, by which all others are screened: the median over recordings, each fitted alone, because sound machines
-/// differ. `None` of no recordings.
+/// Noise reference from healthy recordings, with which all other recordings are screened: the median over the recordings, each of
+/// which is fitted alone because healthy machines differ. `None` if `sources` is empty.
 ///
 /// # Errors
 /// [`FleetError::Reference`] for the first recording that cannot be used.

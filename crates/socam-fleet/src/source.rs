@@ -13,21 +13,21 @@ use crate::options::FleetOptions;
 /// Version that is part of each id.
 pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Where the bytes of a recording are.
+/// Location of the bytes of a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Content {
-    /// In a file.
+    /// The bytes are in a file.
     Path(PathBuf),
-    /// In memory.
+    /// The bytes are in memory.
     Bytes(Vec<u8>),
 }
 
 /// A recording of a fleet.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Source {
-    /// Its name in the table: a path within the fleet, with `/`.
+    /// Name of the recording in the table: a path within the fleet, with `/`.
     pub name: String,
-    /// Its bytes.
+    /// Bytes of the recording.
     pub content: Content,
     /// Serial number of the machine, if a list says it; else the log's, else the first folder of `name`.
     pub machine: Option<String>,
@@ -64,7 +64,7 @@ impl Source {
         Ok(combined(&[&content, model.text.as_bytes(), options.text().as_bytes(), &seed.to_le_bytes()]))
     }
 
-    /// The same where the bytes cannot be read.
+    /// Id of a recording whose bytes cannot be read: computed from its name instead.
     pub(crate) fn id_of_name(&self, model: &Model, options: &FleetOptions, seed: u64) -> String {
         let name = format!("unreadable {}", self.name);
         combined(&[name.as_bytes(), model.text.as_bytes(), options.text().as_bytes(), &seed.to_le_bytes()])

@@ -27,11 +27,11 @@ pub use read::Table;
 
 /// Rows of a batch and of a row group. A group of rows with a hundred texts and numbers each takes some MB.
 const GROUP_ROWS: usize = 4096;
-/// Name of the key whose value is [`SCHEMA`], and of that with [`About`].
+/// Keys of the file's metadata: the value of the first is [`SCHEMA`], that of the second is [`About`].
 const SCHEMA_KEY: &str = "socam.schema";
 const ABOUT_KEY: &str = "socam.fleet";
 
-/// What all rows of a table were made with.
+/// Model, options and program version with which all rows of a table were computed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct About {
     /// Name of the model.
@@ -47,7 +47,7 @@ pub struct About {
 }
 
 impl About {
-    /// Of a run.
+    /// Description of a run with this model, options and seed.
     #[must_use]
     pub fn new(model: &Model, options: &FleetOptions, seed: u64) -> Self {
         Self {
@@ -65,7 +65,7 @@ impl About {
         self.model_sha256 == hash_of(model)
     }
 
-    /// What differs from another table.
+    /// First part in which two tables differ, as a phrase; `None` if they agree.
     fn differs(&self, other: &Self) -> Option<&'static str> {
         if self.model_sha256 != other.model_sha256 {
             Some("model")

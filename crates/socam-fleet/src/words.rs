@@ -1,4 +1,4 @@
-//! What a fleet shows in words, as its page, the terminal and the window say it.
+//! Phrases for the results of a fleet, common to its page, the terminal and the window.
 
 use std::collections::BTreeSet;
 
@@ -13,7 +13,7 @@ use crate::summary::Summary;
 const SMALLEST_P: f64 = 1e-15;
 const DAY_MS: f64 = 86_400_000.0;
 
-/// Of a machine that lacks physics of which nothing that is material has a name.
+/// Text for a machine that stands out although no material effect was found in it.
 pub const UNNAMED: &str = "stands out; nothing named that is material";
 
 /// One line without a full stop: how many machines lack physics, how many parameters change, and how many machines differ.
@@ -59,7 +59,7 @@ pub fn kinds(counts: &Counts) -> [(u64, &'static str); 4] {
     ]
 }
 
-/// What the kinds do not say, in sentences.
+/// Sentences on counts that [`kinds`] does not show.
 #[must_use]
 pub fn besides(summary: &Summary) -> String {
     let counts = &summary.counts;
@@ -76,13 +76,13 @@ pub fn besides(summary: &Summary) -> String {
     )
 }
 
-/// How sure the lists are.
+/// Sentence on the false discovery rate of the lists.
 #[must_use]
 pub fn rate(fdr: f64) -> String {
     format!("Each list holds at most {} % false entries on average", number(100.0 * fdr))
 }
 
-/// Which changes over the dates the recordings are able to show; `None` where there is nothing to say.
+/// Sentence on the smallest changes over the dates that the recordings can show; `None` if there is nothing to report.
 #[must_use]
 pub fn sensitivity(summary: &Summary) -> Option<String> {
     let listed = summary.parameters.iter().filter_map(|one| {

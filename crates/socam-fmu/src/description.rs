@@ -99,7 +99,8 @@ fn variable(writer: &mut Writer<Vec<u8>>, variables: &[Variable], reference: usi
     Ok(())
 }
 
-/// Each output and derivative depends on everything, which is what a list without dependencies means.
+/// Writes the model structure. Each output and derivative depends on all variables, which is what a list without dependencies
+/// means.
 fn structure(writer: &mut Writer<Vec<u8>>, variables: &[Variable]) -> io::Result<()> {
     let is_output = |variable: &Variable| matches!(variable.kind, Kind::Output(_));
     let is_derivative = |variable: &Variable| matches!(variable.kind, Kind::Derivative(_));
@@ -121,7 +122,7 @@ fn unknown(writer: &mut Writer<Vec<u8>>, element: &str, reference: usize) -> io:
     Ok(())
 }
 
-/// Every unit once, with its exponents of base units.
+/// Writes every unit once, with its exponents of base units.
 fn units(writer: &mut Writer<Vec<u8>>, variables: &[Variable]) -> io::Result<()> {
     let named: std::collections::BTreeSet<&str> =
         variables.iter().map(|variable| variable.unit.as_str()).filter(|unit| !unit.is_empty()).collect();

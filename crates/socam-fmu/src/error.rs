@@ -35,7 +35,7 @@ pub enum FmuError {
         folder.display()
     )]
     NoLibrary {
-        /// Its file name.
+        /// File name of the shared library.
         name: String,
         /// Folder of the running program.
         folder: PathBuf,

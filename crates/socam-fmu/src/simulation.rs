@@ -13,7 +13,7 @@ const LONGEST_SAMPLE_S: f64 = 1e-3;
 /// Most samples of a step: a step of 100 s.
 const MOST_SAMPLES: f64 = 1e5;
 
-/// Everything that changes during a simulation.
+/// All state that changes during a simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {
     /// Time, s.
@@ -45,20 +45,20 @@ pub struct Snapshot {
 pub struct Simulation {
     model: Model,
     variables: Vec<Variable>,
-    /// How each input of the equations gets its values.
+    /// Source of the values of each input of the equations.
     sources: Vec<Source>,
     now: Snapshot,
     first: Snapshot,
-    /// For the last sample time; parameters that change clear it.
+    /// Predictor for the last sample time; a change of a parameter clears it.
     predictor: Option<(f64, Predictor)>,
-    /// For derivatives; parameters that change clear it.
+    /// Equations for derivatives; a change of a parameter clears them.
     equations: Option<Equations>,
 }
 
-/// How an input of the equations gets its values.
+/// Source of the values of an input of the equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Source {
-    /// From the importer, held over a step.
+    /// The importer sets the value, which is held over a step.
     Held,
     /// Time since the start.
     Time,
@@ -214,7 +214,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// What was computed from parameters.
+    /// Discards everything that was computed from parameters.
     fn forget(&mut self) {
         (self.predictor, self.equations) = (None, None);
     }

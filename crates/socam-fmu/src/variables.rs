@@ -6,7 +6,7 @@ use socam_model::{Channel, Equations, Model, Quantity};
 
 use crate::FmuError;
 
-/// What a variable is in the model, with its index there.
+/// Meaning of a variable in the model, with its index there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Time, s.
@@ -28,7 +28,7 @@ pub enum Kind {
 pub struct Variable {
     /// Name by the structured naming convention of FMI, unique.
     pub name: String,
-    /// What it is in the model.
+    /// Meaning of the variable in the model.
     pub kind: Kind,
     /// SI unit; empty where the file gives none.
     pub unit: String,

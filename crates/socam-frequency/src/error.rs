@@ -58,9 +58,9 @@ pub enum FrequencyError {
         "a Butterworth filter of order {order} at {corner_hz} Hz: the order must be 1 to 10 and the corner between 0 and half the sampling rate of {rate_hz} Hz"
     )]
     Filter {
-        /// Its order.
+        /// Order of the filter.
         order: usize,
-        /// Its corner, Hz.
+        /// Corner frequency, Hz.
         corner_hz: f64,
         /// Sampling rate, Hz.
         rate_hz: f64,

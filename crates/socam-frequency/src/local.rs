@@ -68,7 +68,7 @@ impl Segment {
 /// Bins of a segment.
 type Bins<'a> = (&'a Segment, std::ops::Range<usize>);
 
-/// The response at one frequency; `None` without excitation there.
+/// Local-polynomial estimate at one frequency; `None` if the input has no power there.
 pub(crate) fn line(segments: &[Segment], frequency_hz: f64) -> Option<Line> {
     let seen: Vec<Bins<'_>> = segments.iter().filter_map(|s| Some((s, s.bins(frequency_hz)?))).collect();
     let rows: usize = seen.iter().map(|(_, bins)| bins.len()).sum();
@@ -89,7 +89,8 @@ pub(crate) fn line(segments: &[Segment], frequency_hz: f64) -> Option<Line> {
     }
     let freedom = (rows - columns) as f64;
     let indirect = segments.iter().all(|s| s.reference.is_some());
-    // With a reference: its response to the output over its response to the input (indirect method).
+    // With a reference, the response is that from the reference to the output divided by that from the reference to the input
+    // (indirect method).
     let (response, through) = if indirect {
         (solved.unknowns[(0, 0)] / solved.unknowns[(0, 1)], solved.unknowns[(0, 1)])
     } else {

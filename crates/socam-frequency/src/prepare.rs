@@ -48,7 +48,8 @@ struct Section {
 }
 
 impl Butterworth {
-    /// Of this order and corner (half power), for this sampling rate; the corner is exact (prewarped bilinear transform).
+    /// Designs a low-pass filter of this order and corner frequency (half power) for this sampling rate; the corner is exact
+    /// (prewarped bilinear transform).
     ///
     /// # Errors
     /// [`FrequencyError::Filter`] if there is no such filter.

@@ -25,7 +25,7 @@ pub struct Signals<'a> {
     pub sample_time_s: f64,
 }
 
-/// How a response is estimated.
+/// Options of the estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// Lowest and highest frequency, Hz.
@@ -34,7 +34,7 @@ pub struct Options {
     pub period_s: Option<f64>,
 }
 
-/// How it was estimated.
+/// Method of estimation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
     /// The signals are periodic: lines are separate from noise.
@@ -51,7 +51,7 @@ pub enum Method {
 /// A frequency response.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
-    /// How it was estimated.
+    /// Method of estimation.
     pub method: Method,
     /// Over rising frequency.
     pub lines: Vec<Line>,

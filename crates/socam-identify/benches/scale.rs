@@ -1,4 +1,4 @@
-//! What a fit of long recordings costs: processor and wall seconds and largest memory, with one thread and with two.
+//! Cost of a fit of long recordings: processor and wall seconds and largest memory, with one thread and with two.
 //!
 //! `cargo bench -p socam-identify --bench scale -- [MILLIONS..]` records the default bench (its linear equations stepped
 //! exactly, and noise) in millions of samples, by default 1 and 10, and fits it from the model file's values, one start. Each
@@ -16,7 +16,7 @@ use socam_recording::{Channel, Dataset, Recorder, RecordingHeader, SampleRow, Un
 
 const STEP_NS: u64 = 1_000_000;
 const STEP_S: f64 = STEP_NS as f64 / 1e9;
-/// The motion repeats after so many samples, the noise does not.
+/// Number of samples after which the motion repeats; the noise does not repeat.
 const PERIOD: usize = 60_000;
 /// Sensor noise of output speed, torque in, torque out.
 const NOISE: [f64; 3] = [0.02, 0.01, 0.05];

@@ -35,7 +35,7 @@ pub struct BandFit {
 }
 
 impl Band {
-    /// From `low_hz` to `high_hz`.
+    /// Creates the band from `low_hz` to `high_hz`.
     ///
     /// # Errors
     /// When they are not finite, below zero, or the wrong way round.

@@ -52,9 +52,9 @@ pub enum IdentifyError {
     TooLarge {
         /// Model name.
         model: String,
-        /// Its nodes.
+        /// Number of nodes of the model.
         nodes: usize,
-        /// Its free parameters.
+        /// Number of free parameters of the model.
         free: usize,
         /// Most nodes.
         most_nodes: usize,

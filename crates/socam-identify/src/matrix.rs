@@ -45,7 +45,7 @@ pub(crate) struct Svd {
 }
 
 impl Svd {
-    /// As many vectors as values; `None` where the values do not converge.
+    /// Decomposes a matrix, with as many vectors as singular values; `None` if the values do not converge.
     pub(crate) fn new(matrix: &Mat<f64>) -> Option<Self> {
         let (rows, columns) = matrix.shape();
         let size = rows.min(columns);
@@ -74,7 +74,7 @@ pub(crate) struct SymmetricEigen {
 }
 
 impl SymmetricEigen {
-    /// From the lower triangle; `None` where the values do not converge.
+    /// Decomposes a symmetric matrix, of which only the lower triangle is read; `None` if the values do not converge.
     pub(crate) fn new(matrix: &Mat<f64>) -> Option<Self> {
         let n = matrix.nrows();
         let (mut values, mut vectors) = (Diag::zeros(n), Mat::zeros(n, n));

@@ -151,7 +151,7 @@ impl<'a> Problem<'a> {
         Self::bound(model, datasets, options, free)
     }
 
-    /// The same with all parameters fixed: for [`crate::evaluate`] and [`crate::start_states`].
+    /// Creates a problem in which all parameters are fixed, for [`crate::evaluate`] and [`crate::start_states`].
     ///
     /// ```
     /// use socam_identify::{Options, Problem, evaluate};

@@ -238,7 +238,8 @@ fn friction_comes_back_with_the_rest() {
     let result = output_error(&Problem::new(&model, &data, Options::default()).unwrap()).unwrap();
     for (name, truth) in [("k1", 71.0), ("k4", 110.0), ("c4", 0.08), ("c5", 0.05), ("Tc", 0.6)] {
         let found = result.parameters.iter().find(|p| p.name == name).unwrap();
-        // This motor never reverses: Coulomb friction and damping share a mean torque, and may stay apart only loosely.
+        // This motor never reverses: Coulomb friction and damping both contribute to the mean torque, and may be poorly
+        // distinguished.
         if found.identifiable {
             assert!(found.ci95[0].unwrap() < truth && truth < found.ci95[1].unwrap(), "{found:?}");
         }

@@ -9,14 +9,14 @@ use crate::{
     inverse_dynamics::{METHOD, force_error_percent},
 };
 
-/// How well a result predicts a recording that was not fitted.
+/// Prediction errors of a result for a recording that was not fitted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Validation {
-    /// Its name.
+    /// Name of the recording.
     pub recording: String,
-    /// Free run from start states that are fitted to it.
+    /// Fit of a free run whose start states are fitted to this recording.
     pub fit: Fit,
-    /// Of inverse dynamics: error of the force, per cent of its norm.
+    /// Error of the force in inverse dynamics, per cent of the norm of the force; `None` for other methods.
     pub force_error_percent: Option<f64>,
     /// The fit within a band of frequencies, where one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -28,7 +28,7 @@ pub struct Validation {
 pub struct BandFits {
     /// The band.
     pub band: Band,
-    /// By channel name, in the order of the model.
+    /// Fit within the band by channel name, in the order of the model.
     pub channels: Vec<(String, Option<BandFit>)>,
 }
 
@@ -49,9 +49,9 @@ impl Serialize for BandFits {
 /// Error of the force of a recording that inverse dynamics fitted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForceError {
-    /// Its name.
+    /// Name of the recording.
     pub recording: String,
-    /// Per cent of the norm of the force.
+    /// Error of the force, per cent of its norm.
     pub force_error_percent: f64,
 }
 
@@ -61,7 +61,7 @@ pub struct Document<'a> {
     /// The result.
     #[serde(flatten)]
     pub result: &'a Identification,
-    /// Of inverse dynamics: the recordings that were fitted.
+    /// Force errors of the recordings that inverse dynamics fitted; empty for other methods.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     pub training: &'a [ForceError],
     /// Recordings that were not fitted.

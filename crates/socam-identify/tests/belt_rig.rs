@@ -57,7 +57,7 @@ fn recording(seed: u64, kind: Intersample, jitter: f64, lost: f64) -> Dataset {
         .map(|_| {
             slow = 0.9 * slow + draw(&mut random);
             slower = 0.7 * slower + 0.3 * slow;
-            // What is lost of a rough torque nobody can tell.
+            // With lost samples the torque is smoother: a rough torque cannot be reconstructed where samples are lost.
             if lost > 0.0 { 2.0 * slower } else { slow }
         })
         .collect();
@@ -96,7 +96,7 @@ fn model(between: &str) -> Model {
     Model::parse(&text.replacen(input, &format!("{input}{between}"), 1)).unwrap()
 }
 
-/// How many half-widths of its interval the worst estimate is off; infinitely many where one is not determined.
+/// Largest error of an estimate, in half-widths of its interval; infinite if one is not determined.
 fn worst(result: &Identification) -> f64 {
     let off = TRUTH.iter().map(|(name, truth)| {
         let estimate = result.parameters.iter().find(|estimate| estimate.name == *name).unwrap();
@@ -130,7 +130,7 @@ fn a_torque_that_a_drive_holds_is_told_from_one_that_it_ramps() {
     }
 }
 
-/// The same on a regular grid.
+/// The recording resampled to a regular grid.
 fn gridded(data: &Dataset, kind: Intersample) -> Dataset {
     let carry = |channel: &Channel| match (channel.name.as_str(), kind) {
         ("motor_torque", Intersample::Hold) => Carry::Hold,
@@ -154,8 +154,8 @@ fn irregular_time_stamps_and_lost_samples_lose_no_accuracy() {
     };
     let jittered = fit("", Intersample::Linear, 0.0);
     assert!(worst(&jittered) < 1.5, "{:?}", jittered.parameters);
-    // What the torque did beside a sample that was lost nobody knows, and jumps between the grid's points are met in the mean only: both
-    // cost more than the intervals say.
+    // The torque beside a lost sample is unknown, and jumps between grid points are represented only in the mean. Both errors
+    // exceed what the intervals account for.
     for rough in [fit("", Intersample::Linear, 0.05), fit("between = \"hold\"\n", Intersample::Hold, 0.0)] {
         for (name, truth) in &TRUTH[..3] {
             let estimate = rough.parameters.iter().find(|estimate| estimate.name == *name).unwrap();

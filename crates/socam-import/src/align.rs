@@ -5,10 +5,10 @@ use crate::times::median_step_s;
 
 /// Longest step that is interpolated over, in usual steps of the signal.
 const BRIDGED: f64 = 2.5;
-/// A clock whose steps are so many times those of the rows leaves its channels without value between its samples.
+/// Ratio of a clock's step to that of the rows from which its channels have no value between their samples.
 const SLOW: f64 = 3.0;
 
-/// What a channel is between its samples, where the mapping does not say: linear, unless it is much slower than the rows.
+/// Interpolation of a channel for which the mapping states none: linear, unless its steps are much longer than those of the rows.
 pub(crate) fn usual(rows_s: &[f64], times_s: &[f64]) -> Between {
     match (median_step_s(rows_s), median_step_s(times_s)) {
         (Some(row), Some(step)) if step >= SLOW * row => Between::Missing,
@@ -63,7 +63,7 @@ fn nearest(rows_s: &[f64], times_s: &[f64], values: &[f64]) -> Vec<f64> {
     placed
 }
 
-/// Continues values that begin anew after `range`, such as counts of an encoder. Returns how often they did.
+/// Unwraps values that begin anew after `range`, such as counts of an encoder. Returns the number of wraps.
 pub(crate) fn unwrap(values: &mut [f64], range: f64) -> usize {
     let (mut turns, mut count, mut last) = (0.0, 0, f64::NAN);
     for value in values {
@@ -111,7 +111,7 @@ mod tests {
     }
 
     trait MapNan {
-        /// With -1 for NaN, which does not equal itself.
+        /// The values with -1 for NaN, which does not equal itself.
         fn map_nan(&self) -> Vec<f64>;
     }
 

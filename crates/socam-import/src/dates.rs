@@ -2,8 +2,8 @@
 
 use jiff::civil::{DateTime, Time};
 
-/// What a date of a common form is in nanoseconds since 1970 (of the clock that wrote it: no time zone is applied unless it is
-/// written). A time of day counts from midnight. `format`: as in `strptime`, for forms that are ambiguous.
+/// Converts a date of a common form to nanoseconds since 1970, by the clock that wrote it: no time zone is applied unless one is
+/// written. A time of day counts from midnight. `format` is a pattern as in `strptime`, for ambiguous forms.
 pub(crate) fn nanoseconds(text: &str, format: Option<&str>) -> Option<i64> {
     let text = text.trim().trim_matches('"');
     if let Some(format) = format {

@@ -22,7 +22,7 @@ pub enum ImportError {
     File {
         /// The file.
         path: PathBuf,
-        /// What is wrong, and what to do.
+        /// Explanation: what is wrong, and what to do.
         problem: String,
     },
     /// One line of a text file.
@@ -30,9 +30,9 @@ pub enum ImportError {
     Line {
         /// The file.
         path: PathBuf,
-        /// Its line, from 1.
+        /// Number of the line, from 1.
         line: usize,
-        /// What is wrong, and what to do.
+        /// Explanation: what is wrong, and what to do.
         problem: String,
     },
     /// A file that does not state what its numbers are.
@@ -40,7 +40,7 @@ pub enum ImportError {
     Unstated {
         /// The file.
         path: PathBuf,
-        /// What it does not say.
+        /// Fact that the file does not state, as a verb phrase.
         problem: String,
     },
     /// A mapping.

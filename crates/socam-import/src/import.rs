@@ -17,20 +17,20 @@ use crate::times::median_step_s;
 pub struct Imported {
     /// The recording; what was left out or changed is among its warnings.
     pub data: Dataset,
-    /// When it began, ns since 1970; 0 where the file does not say.
+    /// Time at which the recording began, ns since 1970; 0 if the file does not state it.
     pub start_unix_ns: u64,
-    /// What became of each channel.
+    /// Interpretation of each channel.
     pub channels: Vec<Understood>,
 }
 
-/// What a signal was understood to be.
+/// Interpretation of a signal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Understood {
     /// The column of the recording: name and unit of the channel.
     pub column: String,
     /// The signal in the file.
     pub signal: String,
-    /// Its unit as written.
+    /// Unit as written in the file.
     pub unit: String,
     /// SI units in one of it.
     pub factor: f64,
@@ -40,7 +40,7 @@ pub struct Understood {
     pub rate_hz: Option<f64>,
     /// Smallest and largest value, SI.
     pub range: Option<(f64, f64)>,
-    /// What was done to it.
+    /// Note on the processing of the signal.
     pub note: String,
 }
 
@@ -52,7 +52,7 @@ pub fn import(selection: &Selection, mapping: &Mapping) -> Result<Imported> {
     import_noted(selection, mapping, Vec::new())
 }
 
-/// As [`import`], with notes on what the mapping leaves aside, which are said once.
+/// Imports a file as [`import`] does, and adds notes on the signals that the mapping leaves out.
 pub(crate) fn import_noted(
     selection: &Selection,
     mapping: &Mapping,

@@ -14,12 +14,12 @@ use crate::text::TextLayout;
 /// Schema of the mapping file.
 pub const SCHEMA: &str = "socam.import/1";
 
-/// How the signals of a file become channels of a recording.
+/// Mapping from the signals of a file to the channels of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mapping {
-    /// Its file, for errors.
+    /// File of the mapping, for errors.
     pub file: Option<PathBuf>,
-    /// How a text file is read; found from the file where it is left out.
+    /// Layout of a text file; found from the file if it is left out.
     pub text: Option<TextLayout>,
     /// Form of dates, as in `strptime`.
     pub date_format: Option<String>,
@@ -34,26 +34,26 @@ pub struct Mapping {
 pub struct Clock {
     /// The group; `None` where the file has one.
     pub group: Option<String>,
-    /// Where its times are.
+    /// Source of the times.
     pub time: Time,
     /// Added to its times, s.
     pub offset_s: f64,
-    /// What its stamps are worth.
+    /// Meaning of the time stamps.
     pub stamps: Stamps,
-    /// Its line in the mapping; 0 where it was not read from one.
+    /// Number of the line in the mapping file; 0 if it was not read from one.
     pub line: usize,
 }
 
-/// Where the times of a clock are.
+/// Source of the times of a clock.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Time {
-    /// In a signal, in a unit of so many seconds.
+    /// A signal contains the times. The number is its unit in seconds.
     Signal(String, f64),
     /// Nowhere: the samples were taken at this rate, Hz.
     Rate(f64),
 }
 
-/// What time stamps are worth.
+/// Meaning of time stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stamps {
     /// A sample was taken when its stamp says.
@@ -62,7 +62,7 @@ pub enum Stamps {
     Jitter,
 }
 
-/// What a channel is between the samples of another clock.
+/// Interpolation of a channel between the samples of another clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Between {
     /// Linear.
@@ -73,7 +73,7 @@ pub enum Between {
     Missing,
 }
 
-/// How a signal becomes a channel.
+/// Mapping from a signal to a channel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelMap {
     /// Name of the channel, without its unit.
@@ -92,9 +92,9 @@ pub struct ChannelMap {
     pub wrap: Option<f64>,
     /// Value that stands for none.
     pub missing: Option<f64>,
-    /// What it is between samples of another clock; `None` to decide by the rates.
+    /// Interpolation between samples of another clock; `None` to decide by the rates.
     pub between: Option<Between>,
-    /// Its line in the mapping; 0 where it was not read from one.
+    /// Number of the line in the mapping file; 0 if it was not read from one.
     pub line: usize,
 }
 

@@ -16,10 +16,10 @@ pub fn open(run: &str) -> Result<Dataset> {
     open_selection(&Selection::parse(run)?)
 }
 
-/// As [`open`], of a selection.
+/// Opens a recording that a [`Selection`] names, see [`open`].
 ///
 /// # Errors
-/// As [`open`].
+/// The errors of [`open`].
 pub fn open_selection(selection: &Selection) -> Result<Dataset> {
     Ok(match open_either(selection)? {
         Opened::Own(data) => data,
@@ -44,16 +44,16 @@ pub fn probe(selection: &Selection) -> Result<()> {
 /// A recording, and where it comes from.
 #[derive(Debug)]
 pub enum Opened {
-    /// One of `socam`'s own formats.
+    /// A recording in one of `socam`'s own formats.
     Own(Dataset),
     /// A file of another program that states its units and times.
     Foreign(Imported),
 }
 
-/// As [`open_selection`], with what is known of a file of another program.
+/// Opens a recording and keeps the description of the import if another program wrote the file.
 ///
 /// # Errors
-/// As [`open`].
+/// The errors of [`open`].
 pub fn open_either(selection: &Selection) -> Result<Opened> {
     match Dataset::open_selection(selection) {
         Err(error) if error.is_foreign() && detect(&selection.path).is_ok() => {

@@ -30,11 +30,11 @@ pub struct Proposal {
     pub format: String,
     /// The mapping as text, to be completed and passed to `import --map`.
     pub text: String,
-    /// What is not known, and where the file says it or would have to.
+    /// Unknown facts, with the place where the file states or would have to state them.
     pub unknown: Vec<String>,
-    /// What is assumed without being stated in the file.
+    /// Assumptions that the file does not state.
     pub assumed: Vec<String>,
-    /// What was left aside.
+    /// Notes on what was left out.
     pub notes: Vec<String>,
     /// Each signal that becomes a channel: column, signal, unit as written (or what it may be), statistics.
     pub channels: Vec<Proposed>,
@@ -45,11 +45,11 @@ pub struct Proposal {
 pub struct Proposed {
     /// Name of the channel.
     pub name: String,
-    /// Its name in the file.
+    /// Name of the signal in the file.
     pub signal: String,
-    /// Its unit in the file, if it is stated there and known here.
+    /// Unit of the signal, if the file states one that is known here.
     pub unit: Option<String>,
-    /// What the unit may be, in words.
+    /// Probable unit, in words.
     pub guess: String,
     /// Smallest and largest value as written in the file; `None` where there is no value.
     pub range: Option<(f64, f64)>,
@@ -59,7 +59,7 @@ pub struct Proposed {
     pub rows: usize,
     /// Samples per second, where the clock is known.
     pub rate_hz: Option<f64>,
-    /// What its name and unit say.
+    /// Name and unit of the column, as read from the signal's name.
     column: Column,
     /// Whether its table is named by the rule of `socam`'s own CSV.
     is_own: bool,
@@ -100,8 +100,8 @@ pub fn propose(path: &Path) -> Result<Proposal> {
     })
 }
 
-/// Makes a recording of a file that states all units and times itself. In a table whose clock is the column `t_s`, which is named by the
-/// rule of `socam`'s own CSV, columns without a unit are left aside instead, as they are there.
+/// Makes a recording of a file that itself states all units and times. In a table whose clock is the column `t_s`, named by the
+/// rule of `socam`'s own CSV, columns without a unit are left out, as they are in such a CSV.
 ///
 /// # Errors
 /// As [`import`](fn@import); also where a unit or a time is not stated, which `import --propose` shows.
@@ -127,7 +127,7 @@ pub fn import_stated(selection: &Selection) -> Result<Imported> {
 }
 
 impl ProposedClock {
-    /// What is assumed of its unit, and why.
+    /// Assumption on the unit of the signal, and its reason.
     fn assumption(&self, source: &Source) -> Option<String> {
         let (column, unit) = self.time.as_ref()?;
         let name = &source.groups[self.group].signals[*column].name;
@@ -164,7 +164,7 @@ impl Proposed {
         }
     }
 
-    /// How its numbers become values of a channel, if its unit is stated and known.
+    /// Conversion from the signal's numbers to values of a channel, if its unit is stated and known.
     fn conversion(&self) -> Option<Conversion> {
         match self.column.meaning {
             Meaning::Values(conversion) => Some(conversion),

@@ -1,4 +1,4 @@
-//! What a file holds, before anything is said about units and names of channels.
+//! Contents of a file, before units and names of channels are decided.
 
 use std::collections::HashSet;
 
@@ -9,16 +9,16 @@ use socam_recording::Warning;
 pub struct Source {
     /// Groups with at least one signal.
     pub groups: Vec<Group>,
-    /// What was left aside, is missing, or is worth knowing.
+    /// Notes on parts that were left out or are missing.
     pub notes: Vec<Warning>,
-    /// How the lines of a text file were read.
+    /// Layout by which the lines of a text file were read.
     pub text: Option<crate::TextLayout>,
 }
 
 /// Signals that were sampled together.
 #[derive(Debug, Clone, Default)]
 pub struct Group {
-    /// Its name in the file; empty where the file has none.
+    /// Name of the group in the file; empty if the file has none.
     pub name: String,
     /// Signals, all of the same length.
     pub signals: Vec<Signal>,
@@ -31,15 +31,15 @@ pub struct Group {
 /// One column of numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Signal {
-    /// Its name in the group.
+    /// Name of the signal in the group.
     pub name: String,
     /// The unit that the file states apart from the name, as written there.
     pub unit: Option<String>,
     /// Values; NaN is a missing one. What they are relative to is in `origin`.
     pub values: Vec<f64>,
-    /// Added to every value. Large integers, such as times since 1970 in nanoseconds, keep their digits in this way.
+    /// Constant that is added to every value. It keeps all digits of large integers, such as times since 1970 in nanoseconds.
     pub origin: i64,
-    /// What its unit is by a convention that the file does not state.
+    /// Unit by a convention that the file does not state.
     pub hint: Option<&'static str>,
 }
 
@@ -74,7 +74,7 @@ impl Signal {
     }
 }
 
-/// Which signals are read, and how much of them.
+/// Selection of the signals that are read, and of the number of rows.
 #[derive(Debug, Clone)]
 pub struct Wanted {
     /// Names as in a mapping (`signal` or `group/signal`); `None` for all.
@@ -84,7 +84,7 @@ pub struct Wanted {
 }
 
 impl Wanted {
-    /// Everything.
+    /// All signals and all rows.
     pub const ALL: Self = Self { signals: None, most_rows: usize::MAX };
 
     /// Whether a signal is read.
@@ -181,7 +181,7 @@ pub enum Found<'s> {
     None,
     /// Group, column and signal.
     One(usize, usize, &'s Signal),
-    /// So many signals of different groups have it.
+    /// Number of signals of different groups that have this name.
     Several(usize),
 }
 

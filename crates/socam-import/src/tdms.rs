@@ -47,7 +47,7 @@ pub(crate) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
     while at < length {
         match reader.segment(at) {
             Ok(next) => at = next,
-            // What was read before a damaged or cut segment is good.
+            // The part before a damaged or cut segment is kept.
             Err(problem) if at > 0 => {
                 reader.notes.push(Warning::Incomplete {
                     what: format!("samples from byte {at} on are missing ({problem})"),

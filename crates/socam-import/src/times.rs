@@ -5,7 +5,7 @@ use crate::source::Group;
 
 /// Times before this are counted from an arbitrary moment, not since 1970: 1973 in nanoseconds.
 const ABSOLUTE_NS: i128 = 100_000_000_000_000_000;
-/// A step that is longer than so many usual steps is a gap.
+/// Length of a step, in usual steps, above which it is a gap.
 const GAP_STEPS: f64 = 5.0;
 
 /// Times of samples, and the rows of the file that they belong to.
@@ -17,7 +17,7 @@ pub(crate) struct Times {
     pub(crate) seconds: Vec<f64>,
     /// Row of each time in the group.
     pub(crate) rows: Vec<usize>,
-    /// What was done to them, in a few words each.
+    /// Notes on the processing of the times, in a few words each.
     pub(crate) notes: Vec<String>,
 }
 
@@ -31,7 +31,7 @@ impl Times {
         Self { epoch_ns: 0, seconds, rows: (0..rows).collect(), notes: Vec::new() }
     }
 
-    /// Times in a signal of the group, in a unit of so many seconds.
+    /// Times from a signal of the group whose unit is `unit_s` seconds.
     pub(crate) fn of_signal(
         group: &Group,
         column: usize,
@@ -83,7 +83,7 @@ impl Times {
         self.seconds.iter().map(|time| time + shift_s).collect()
     }
 
-    /// When the recording began, ns since 1970; 0 where that is not known.
+    /// Time at which the recording began, ns since 1970; 0 if it is not known.
     pub(crate) fn start_unix_ns(&self) -> u64 {
         if self.epoch_ns < ABSOLUTE_NS { 0 } else { u64::try_from(self.epoch_ns).unwrap_or(0) }
     }

@@ -32,7 +32,7 @@ pub use marks::{PlaceMark, diamond};
 /// A point: x to the right, y downwards.
 pub type Point = [f64; 2];
 
-/// How wide a drawing is. Lengths are in points of the text's size: labels are 11 high.
+/// Sizes of a drawing. Lengths are in points of the text's size: labels are 11 high.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Style {
     /// Greatest number of columns; a longer chain continues in the next line.
@@ -48,7 +48,7 @@ impl Default for Style {
     }
 }
 
-/// What a shape is, which chooses its colours.
+/// Kind of part that a shape shows, which chooses its colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Paint {
     /// A wire between elements: a line.
@@ -100,7 +100,7 @@ impl Paint {
 pub enum Shape {
     /// Joined points.
     Line(Vec<Point>),
-    /// The same, closed.
+    /// Joined points, with the last one joined to the first.
     Polygon(Vec<Point>),
     /// A rectangle with round corners.
     Rect {
@@ -130,7 +130,7 @@ pub enum Shape {
 /// A shape and what it is. Later items of a drawing lie on earlier ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Item {
-    /// What it is.
+    /// Kind of part that the shape shows.
     pub paint: Paint,
     /// The shape.
     pub shape: Shape,

@@ -10,7 +10,7 @@ pub enum ModelError {
     File {
         /// One-based line in the model file.
         line: usize,
-        /// What was found, what was expected, and what to write.
+        /// Explanation: what was found, what was expected, and what to write.
         message: String,
     },
     /// The network has no unique motion, or an element or channel is at a place where it cannot act.

@@ -30,7 +30,7 @@ impl Intersample {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Hold, Self::Linear, Self::BandLimited];
 
-    /// Its name in model files and options.
+    /// Name of the reconstruction in model files and options.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

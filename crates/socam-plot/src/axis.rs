@@ -156,7 +156,7 @@ impl Scale {
         ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0)
     }
 
-    /// Its length in the view box.
+    /// Length of the axis in the view box.
     pub(crate) fn length(&self) -> f64 {
         (self.to - self.from).abs()
     }

@@ -39,9 +39,9 @@ pub struct Cell {
 /// A line of equal value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contour {
-    /// One of [`Heat::levels`].
+    /// Level of the contour, one of [`Heat::levels`].
     pub level: f64,
-    /// Its ends, in the units of the axes.
+    /// Ends of the segment, in the units of the axes.
     pub ends: [[f64; 2]; 2],
 }
 

@@ -22,16 +22,16 @@ pub use heat::{Cell, Contour, Heat, colour};
 pub use sheet::{Panel, Row, drawing, sheet, standalone};
 pub use view::{Flag, Image, View, views};
 
-/// How a series is drawn.
+/// Style in which a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
     /// Joined points; drawn with the extremes of every pixel column, so that spikes stay visible.
     Line,
-    /// The same, interrupted where a recording has a gap.
+    /// Joined points as for [`Mark::Line`], interrupted where a recording has a gap.
     Trace,
     /// Round dots joined by a thin line, with bars of `spread` to either side.
     Circles,
-    /// The same with squares.
+    /// Squares joined by a thin line, with bars of `spread` to either side.
     Squares,
     /// Round dots without lines.
     Points,
@@ -48,7 +48,7 @@ pub struct Series<'a> {
     pub label: &'a str,
     /// Class of the style sheet, which sets the colour.
     pub class: &'a str,
-    /// How it is drawn.
+    /// Style in which the series is drawn.
     pub mark: Mark,
     /// Abscissas, in the unit of the axis.
     pub x: &'a [f64],

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::{Frame, Mark, Series};
 
-/// Ratio of a step to the median step from which on it is a gap.
+/// Ratio of a step to the median step above which it is a gap.
 const GAP_STEPS: f64 = 8.0;
 
 /// A joined line, interrupted at missing values and, in a trace, at gaps.

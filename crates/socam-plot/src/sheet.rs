@@ -27,7 +27,7 @@ impl Panel<'_> {
 pub struct Row<'a> {
     /// Title.
     pub title: String,
-    /// From left to right.
+    /// Panels from left to right.
     pub panels: Vec<Panel<'a>>,
 }
 

@@ -27,7 +27,7 @@ pub struct Flag<'a> {
 /// A picture over a part of the axes, below the lines.
 #[derive(Debug, Clone)]
 pub struct Image {
-    /// Its address, such as a `data:` URL.
+    /// Address of the image, such as a `data:` URL.
     pub href: String,
     /// Horizontal range.
     pub x: [f64; 2],

@@ -1,4 +1,4 @@
-//! What recording and reading cost: processor time, memory, losses.
+//! Cost of recording and reading: processor time, memory, losses.
 //!
 //!     recording_load record FILE SECONDS     10 kHz x 6 channels in real time
 //!     recording_load fill FILE MEGABYTES     the same samples as fast as the disk takes them

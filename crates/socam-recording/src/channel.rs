@@ -49,12 +49,12 @@ impl Channel {
 /// A column of a table that becomes a channel.
 #[derive(Debug, Clone)]
 pub(crate) struct TableColumn {
-    /// Its place among the cells of a line.
+    /// Index of the column among the cells of a line.
     pub(crate) cell: usize,
-    /// Its name in the file.
+    /// Name of the column in the file.
     pub(crate) title: String,
     pub(crate) channel: Channel,
-    /// How its numbers become values.
+    /// Conversion from the column's numbers to values of the channel.
     pub(crate) conversion: Conversion,
 }
 

@@ -41,7 +41,7 @@ pub(crate) struct CsvLines {
     pub(crate) cells: usize,
     /// The line last read.
     pub(crate) record: ByteRecord,
-    /// Its number in the file, from 1.
+    /// Number of the line in the file, from 1.
     pub(crate) line: u64,
 }
 

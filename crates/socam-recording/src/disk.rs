@@ -1,4 +1,4 @@
-//! Everything that writing a recording does to the disk, in one place, where tests can see it and simulate deaths of the machine.
+//! All disk operations of writing a recording, in one place, where tests can observe them and simulate crashes of the machine.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -68,7 +68,7 @@ pub(crate) mod trace {
     }
 
     thread_local! {
-        /// Steps of this thread; `None` while nobody looks.
+        /// Steps of this thread; `None` while no test observes them.
         static STEPS: RefCell<Option<Vec<Step>>> = const { RefCell::new(None) };
         static SYNCS_FAIL: Cell<bool> = const { Cell::new(false) };
     }
@@ -91,7 +91,7 @@ pub(crate) mod trace {
         SYNCS_FAIL.set(false);
     }
 
-    /// From here on no file can be synced by this thread.
+    /// From now on, syncing any file fails in this thread.
     pub(crate) fn let_syncs_fail() {
         SYNCS_FAIL.set(true);
     }

@@ -1,4 +1,4 @@
-//! What can go wrong with a recording: one clear sentence each, with the place, what was expected and what to do.
+//! Errors of recordings: one clear sentence each, with the place, what was expected and what to do.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ pub enum RecordingError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What was tried: `read`, `create`, `write to`, ...
+        /// Action that failed: `read`, `create`, `write to`, ...
         action: &'static str,
         /// The system's own answer.
         source: std::io::Error,
@@ -38,7 +38,7 @@ pub enum RecordingError {
     Foreign {
         /// The file.
         path: PathBuf,
-        /// What it seems to be, as a verb phrase.
+        /// Likely kind of the file, as a verb phrase.
         found: String,
     },
     /// A table of steady states where a time series is needed.
@@ -60,7 +60,7 @@ pub enum RecordingError {
         path: PathBuf,
         /// Line number, from 1.
         line: u64,
-        /// What is wrong with it.
+        /// Problem of the line.
         problem: LineProblem,
     },
     /// A place in a binary file that cannot be used.
@@ -70,7 +70,7 @@ pub enum RecordingError {
         path: PathBuf,
         /// Offset from the file's start, from 0.
         byte: u64,
-        /// What is wrong there, what was expected and what to do.
+        /// Explanation: what is wrong there, what was expected and what to do.
         problem: String,
     },
     /// An MCAP log that this program's recorder did not write.
@@ -81,7 +81,7 @@ pub enum RecordingError {
         /// Topics found, comma separated.
         topics: String,
     },
-    /// What can be read of a damaged log cannot be copied as it is.
+    /// Only part of the readable samples of a damaged log can be copied unchanged.
     #[error("{copied} of the {samples} samples of `{}` can be copied, because its description of them is damaged; export it to a .csv", .path.display())]
     NotCopied {
         /// The log.
@@ -102,7 +102,7 @@ pub enum RecordingError {
     AllDamaged {
         /// The file.
         path: PathBuf,
-        /// What is damaged, in words.
+        /// Explanation of the damage.
         damage: String,
     },
     /// A header without any usable channel.
@@ -132,9 +132,9 @@ pub enum RecordingError {
     NoSuchChannel {
         /// Name of the recording.
         recording: String,
-        /// What was asked for.
+        /// Name of the requested channel.
         channel: String,
-        /// What there is, comma separated.
+        /// Names of the available channels, comma separated.
         available: String,
     },
     /// The part after `@` of `RUN@FROM..TO` is no span of time.
@@ -142,7 +142,7 @@ pub enum RecordingError {
     Selection {
         /// The whole argument.
         text: String,
-        /// What is wrong with it.
+        /// Explanation of what is wrong.
         problem: &'static str,
     },
     /// Columns given in memory that do not form a recording.
@@ -150,7 +150,7 @@ pub enum RecordingError {
     Table {
         /// Name of the recording.
         name: String,
-        /// What does not fit.
+        /// Explanation of what does not fit.
         problem: String,
     },
     /// An import of what needs none.
@@ -226,7 +226,7 @@ impl RecordingError {
         Self::Io { path: path.into(), action, source }
     }
 
-    /// The same error, with how far a recording had come.
+    /// Adds the number of samples that were recorded before the error.
     pub(crate) fn after(self, samples: u64) -> Self {
         Self::Stopped { samples, cause: Box::new(self) }
     }

@@ -1,6 +1,6 @@
-//! What can be wrong with one line of a text file.
+//! Problems of one line of a text file.
 
-/// What is wrong with one line of a text file.
+/// A problem of one line of a text file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LineProblem {
@@ -92,7 +92,7 @@ pub enum LineProblem {
     Unexpected {
         /// The text found, shortened.
         found: String,
-        /// What belongs there.
+        /// Content that is expected there.
         expected: &'static str,
     },
 }

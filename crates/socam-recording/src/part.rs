@@ -1,4 +1,4 @@
-//! What every reader of a file gives: tables with their places, then what is known at the end.
+//! Common output of the readers of all file formats: tables with their places, then facts that are known only at the end.
 
 use crate::log::contents::LogContents;
 use crate::table::Table;
@@ -20,7 +20,7 @@ pub(crate) struct Part {
     pub(crate) table: Table,
 }
 
-/// What a reader knows after the last row.
+/// Facts that a reader knows after the last row.
 #[derive(Debug)]
 pub(crate) struct EndOfRows {
     /// Indices of columns without numbers.

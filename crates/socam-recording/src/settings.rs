@@ -254,7 +254,7 @@ impl<'t> Fields<'t> {
         }
     }
 
-    /// One of several words; the first one after an error.
+    /// Reads the value of a key that must be one of several words. Returns the first choice after an error, which is recorded.
     pub fn choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)]) -> T {
         if !self.values.contains_key(key) {
             self.missing(key, &one_of(choices));

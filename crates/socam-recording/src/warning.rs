@@ -9,7 +9,7 @@ pub struct Cut {
     pub byte: u64,
     /// Bytes after it that could not be used.
     pub unused_bytes: u64,
-    /// What is missing, in words.
+    /// Description of the missing part.
     pub missing: String,
 }
 
@@ -54,21 +54,21 @@ pub enum Warning {
     /// A recording that is cut off.
     #[error("the recording is cut off: {missing}")]
     CutOff {
-        /// What is missing, in words.
+        /// Description of the missing part.
         missing: String,
     },
     /// A part of a log that does not fit its checksum.
     #[error("{bytes} damaged bytes at byte {byte} are left out; the samples in them are missing")]
     Damaged {
-        /// Where the part starts.
+        /// First byte of the part.
         byte: u64,
-        /// Its length, bytes.
+        /// Length of the part, bytes.
         bytes: u64,
     },
     /// Samples that never reached the recording.
     #[error("{samples} samples were lost while recording (by their sequence numbers)")]
     LostSamples {
-        /// How many.
+        /// Number of samples.
         samples: u64,
     },
     /// A log with fewer samples than its summary says.
@@ -84,7 +84,7 @@ pub enum Warning {
     /// A file of another program that is damaged or cut off.
     #[error("the file is damaged or cut off: {what}")]
     Incomplete {
-        /// What is missing, in words.
+        /// Description of what is missing.
         what: String,
     },
     /// Any other note of a reader.
@@ -102,7 +102,7 @@ impl Warning {
         }
     }
 
-    /// What the end of a column's name may mean beside what it is taken for.
+    /// Warning about a column name whose ending may mean something other than what was assumed.
     #[must_use]
     pub fn of_doubt(title: &str, column: &Column) -> Option<Self> {
         match (&column.doubt, column.meaning) {
@@ -115,7 +115,7 @@ impl Warning {
         }
     }
 
-    /// What is damaged, in a few words; `None` where the file is as it was written.
+    /// Description of the damage in a few words; `None` if this warning is not about damage.
     pub(crate) fn damage(&self) -> Option<String> {
         match self {
             Self::Damaged { byte, bytes } => Some(format!("{bytes} bytes at byte {byte} are damaged")),
@@ -128,7 +128,7 @@ impl Warning {
     }
 }
 
-/// What is damaged, in words; `None` where the file is as it was written.
+/// Description of the damage that the warnings report; `None` if the file is undamaged.
 pub(crate) fn damage<'w>(warnings: impl IntoIterator<Item = &'w Warning>) -> Option<String> {
     let parts: Vec<String> = warnings.into_iter().filter_map(Warning::damage).collect();
     (!parts.is_empty()).then(|| parts.join(", "))

@@ -7,14 +7,14 @@ use socam_frequency::{
 
 use crate::{beside::Beside, signals::Pair};
 
-/// A response without a model's.
+/// A measured response, not compared with a model.
 #[derive(Debug)]
 pub struct Measured {
-    /// Its lines.
+    /// Lines of the response.
     pub response: Response,
-    /// What a careful reader should know.
+    /// Warnings for the reader.
     pub warnings: Vec<String>,
-    /// What was done to the signals.
+    /// Notes on the processing of the signals.
     pub notes: Vec<String>,
 }
 
@@ -23,18 +23,18 @@ pub struct Measured {
 pub struct Answer<'m> {
     /// Input and output.
     pub pair: Pair<'m>,
-    /// Their response.
+    /// Response from the input to the output.
     pub response: Response,
     /// The model's response at each line.
     pub model: Vec<Complex<f64>>,
-    /// What a careful reader should know.
+    /// Warnings for the reader.
     pub warnings: Vec<String>,
-    /// What was done to the signals.
+    /// Notes on the processing of the signals.
     pub notes: Vec<String>,
 }
 
 impl Answer<'_> {
-    /// How far the estimate is from the model.
+    /// Comparison of the estimate with the model.
     #[must_use]
     pub fn beside_model(&self) -> Beside {
         let mut beside = Beside::default();
@@ -47,7 +47,7 @@ impl Answer<'_> {
         beside
     }
 
-    /// What the lines that nothing excites say, one sentence per parity.
+    /// Sentences on the distortion at lines that are not excited, one per parity.
     #[must_use]
     pub fn distortion_sentences(&self) -> Vec<String> {
         self.response.distortion.as_ref().map_or_else(Vec::new, distortion_sentences)

@@ -14,7 +14,7 @@ pub enum ResponseError {
         "the model {model} has the inputs {inputs}; a frequency response is of one input, so give a model with one"
     )]
     Inputs {
-        /// Its name.
+        /// Name of the model.
         model: String,
         /// Names of its inputs.
         inputs: String,
@@ -34,7 +34,7 @@ pub enum ResponseError {
         "the channel {channel} takes a wave of its column, which has no frequency response; use --method output-error"
     )]
     Wave {
-        /// Its name.
+        /// Name of the channel.
         channel: String,
     },
     /// A recording that cannot be read, or lacks a channel.

@@ -1,4 +1,4 @@
-//! From recordings to responses.
+//! Estimates frequency responses from recordings.
 
 use socam_frequency::{
     Complex,

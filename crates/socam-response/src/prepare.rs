@@ -29,7 +29,7 @@ pub(crate) fn prepared(
     Ok((segments, notes))
 }
 
-/// Of repeated runs, the one with the least noise of the output (thesis section 4.1.1).
+/// Selects, of repeated runs, the one with the least noise of the output (thesis section 4.1.1).
 fn quietest(segments: Vec<Segment>, notes: &mut Vec<String>) -> Vec<Segment> {
     let mean = |segment: &Segment| segment.input.iter().sum::<f64>() / segment.input.len().max(1) as f64;
     let noise = |segment: &Segment| noise_std(&segment.output);

@@ -1,6 +1,6 @@
-//! How responses are estimated.
+//! Settings of the estimate of frequency responses.
 
-/// How responses are estimated.
+/// Settings of the estimate of frequency responses.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Settings {
     /// Column of the reference signal, which is free of noise; `command_V` where it is not given and all recordings have that.

@@ -20,7 +20,7 @@ pub struct Pair<'m> {
     /// The model's input.
     pub input: &'m Channel,
     pub(crate) output_index: usize,
-    /// One of its outputs.
+    /// An output of the model.
     pub output: &'m Channel,
 }
 
@@ -32,7 +32,7 @@ pub(crate) struct Signal<'a> {
 }
 
 impl<'a> Signal<'a> {
-    /// What a channel reads.
+    /// The signal that a channel reads.
     pub(crate) fn of(channel: &'a Channel) -> Self {
         Self { column: &channel.column, channel: Some(channel) }
     }
@@ -202,7 +202,7 @@ fn complete(columns: &[Vec<f64>]) -> Vec<std::ops::Range<usize>> {
     runs
 }
 
-/// Warns of an input whose noise biases the response, because nothing says what made it.
+/// Warns that the noise of the input biases the response, if there is no reference signal.
 pub(crate) fn bias(segments: &[Segment], input: Signal<'_>) -> Option<String> {
     let input = input.name();
     (!segments.iter().all(Segment::has_reference)).then(|| {

@@ -14,7 +14,7 @@ pub struct Envelope {
 
 /// Samples per pixel up to which every sample is drawn; above, blocks of a pixel or more are drawn.
 const DRAWN: usize = 1;
-/// Pixels per sample from which on each sample gets a marker.
+/// Distance between samples, pixels, from which each sample gets a marker.
 const APART: usize = 8;
 
 /// The line of a channel from one time to another for a picture that is `pixels` wide. It contains the least and the greatest value of

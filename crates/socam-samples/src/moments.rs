@@ -10,7 +10,7 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
-    /// Of stored values; missing ones (NaN) are ignored.
+    /// Moments of stored values; missing values (NaN) are ignored.
     pub(crate) fn of(values: &[f32]) -> Self {
         let finite = || values.iter().filter(|value| value.is_finite()).map(|value| f64::from(*value));
         let (count, sum) = finite().fold((0.0, 0.0), |(count, sum), value| (count + 1.0, sum + value));
@@ -21,7 +21,7 @@ impl Moments {
         Self { count, mean, squares: finite().map(|value| (value - mean).powi(2)).sum() }
     }
 
-    /// Of both (Chan, Golub and LeVeque, The American Statistician 37, 1983).
+    /// Moments of both sets together (Chan, Golub and LeVeque, The American Statistician 37, 1983).
     pub(crate) fn join(self, other: Self) -> Self {
         let count = self.count + other.count;
         if count == 0.0 {

@@ -1,5 +1,5 @@
-//! What is known of blocks of a column, such as their least and greatest values, in levels: each level joins pairs of blocks of the
-//! level below.
+//! Pyramid of summaries of a column, such as least and greatest values of blocks. Each level joins pairs of blocks of the level
+//! below.
 //!
 //! A picture reads about as many blocks as it has pixels, for recordings of any length, and a spike of one sample remains visible.
 
@@ -37,12 +37,12 @@ pub(crate) fn of(values: &[f32]) -> Extremes {
     rest.iter().map(|value| [*value; 2]).chain(lanes).fold(NOTHING, join)
 }
 
-/// What blocks hold, and how two of them join.
+/// Summary of a block of samples, which can be joined with another.
 pub(crate) trait Block: Copy {
-    /// Of no values: the neutral element of [`Block::join`].
+    /// Summary of no values: the neutral element of [`Block::join`].
     const NOTHING: Self;
 
-    /// Of both.
+    /// Summary of both blocks together.
     fn join(self, other: Self) -> Self;
 }
 
@@ -79,7 +79,7 @@ impl<B: Block> Pyramid<B> {
         Self { levels }
     }
 
-    /// What blocks of the lowest level hold, by index.
+    /// Summary of the blocks `from` to `to` of the lowest level.
     pub(crate) fn of_blocks(&self, mut from: usize, mut to: usize) -> B {
         let mut result = B::NOTHING;
         for level in &self.levels {

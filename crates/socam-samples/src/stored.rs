@@ -187,7 +187,7 @@ impl Samples {
         Moments { mean: stored.mean + self.middles[channel], ..stored }
     }
 
-    /// What some rows of a channel hold: whole blocks of `base` samples from the pyramid, the ends from the samples.
+    /// Summary of some rows of a channel: whole blocks of `base` samples are read from the pyramid, the ends from the samples.
     fn joined<B: Block>(
         &self,
         channel: usize,

@@ -1,8 +1,8 @@
-//! What TOML text from strangers may do to its parser, looked for before it is parsed.
+//! Rejects TOML whose nesting would overflow the parser's stack.
 
 use toml_parser::{Source, lexer::TokenKind};
 
-/// Most brackets that are open at one place.
+/// Largest number of brackets that may be open at one place.
 pub const DEEPEST: usize = 80;
 
 /// Line, from 1, at which more than [`DEEPEST`] brackets are open, if there is one. The parser of `toml` 1.2 recurses at each, without

@@ -6,9 +6,9 @@ use serde::Deserialize;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(try_from = "String")]
 pub struct Printed {
-    /// As printed.
+    /// Number as printed.
     pub text: String,
-    /// Its value.
+    /// Value of the number.
     pub value: f64,
     /// Half a unit of its last digit.
     pub half_unit: f64,

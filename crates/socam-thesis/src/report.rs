@@ -14,7 +14,7 @@ pub struct Row {
     pub what: String,
     /// Unit as printed.
     pub unit: &'static str,
-    /// As printed.
+    /// Number as printed in the thesis.
     pub thesis: String,
     /// Computed from the thesis' own data; `None` if it cannot be computed.
     pub ours: Option<f64>,
@@ -27,11 +27,11 @@ pub struct Row {
 /// A table, an equation or a passage of the thesis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Table {
-    /// Where, for instance "Table 4.1".
+    /// Place in the thesis, for instance "Table 4.1".
     pub place: &'static str,
     /// Title.
     pub title: &'static str,
-    /// Its numbers.
+    /// Numbers of this place.
     pub rows: Vec<Row>,
 }
 

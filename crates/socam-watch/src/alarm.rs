@@ -1,10 +1,10 @@
-//! What a watch reports: events, alarms and the names of their causes.
+//! Reports of the monitoring: events, alarms and the names of their causes.
 
 use std::fmt;
 
 use serde::Serialize;
 
-/// What the test statistic that raised an alarm measures.
+/// Quantity that is measured by the test statistic that raised an alarm.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(tag = "kind", content = "of", rename_all = "snake_case")]
 pub enum Symptom {
@@ -97,7 +97,7 @@ pub struct Cause {
     pub share: f64,
 }
 
-/// What happened at a sample.
+/// An event at a sample.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum Event {
@@ -116,7 +116,7 @@ pub enum Event {
     },
 }
 
-/// What a baseline supports.
+/// Amount of healthy data in a baseline, and the false alarm rate that it supports.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     /// Length of the healthy samples that were used, s.

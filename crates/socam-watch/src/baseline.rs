@@ -1,4 +1,4 @@
-//! What a healthy bench does under a model.
+//! Baseline: the statistics of a healthy bench under a model.
 
 use socam_identify::{
     IdentifyError, NoiseLevels, Problem,
@@ -31,11 +31,11 @@ const MOST_ITERATIONS: usize = 25;
 /// Mean square of the whitened residuals, in units of sensor noise, above which inputs are treated as exact.
 const FAR_BEYOND_NOISE: f64 = 100.0;
 
-/// What a healthy bench does under a model: noise levels, whitening filters, and the distribution of the test statistics.
+/// Baseline of a healthy bench under a model: noise levels, whitening filters, and the distribution of the test statistics.
 ///
-/// A healthy bench is never exactly its model. The free parameters of the model are fitted to the healthy blocks, so that a change is named
-/// by what has changed and not by the errors of the model file. Its blocks are evaluated in the same way as those that are watched later, so that the
-/// model's usual errors are part of the null hypothesis.
+/// The model does not describe a healthy bench exactly. The free parameters of the model are fitted to the healthy blocks, so that
+/// an alarm names the change since then and not the errors of the model file. Blocks of the baseline are evaluated in the same way
+/// as those that are monitored later, so that the usual errors of the model are part of the null hypothesis.
 #[derive(Debug, Clone)]
 pub struct Baseline {
     pub(crate) meter: Meter,
@@ -50,10 +50,11 @@ impl Baseline {
     /// Number of blocks below which a baseline is called short.
     pub const FEW: usize = 60;
 
-    /// From healthy recordings, which should hold every kind of motion that is watched later.
+    /// Computes the baseline from healthy recordings, which should contain every kind of motion that is monitored later.
     ///
     /// # Errors
-    /// When a recording lacks a channel of the model, rates differ, or all together are too short.
+    /// [`WatchError`] if a recording lacks a channel of the model, if sampling rates differ, or if all recordings together are too
+    /// short.
     ///
     /// # Breaks when
     /// The recordings show less than the bench usually does: another profile, temperature or load. Blocks with more or less motion
@@ -77,7 +78,7 @@ impl Baseline {
         Self::of_blocks(model, channels, step_s, &blocks, settings)
     }
 
-    /// From healthy blocks.
+    /// Computes the baseline from healthy blocks.
     pub(crate) fn of_blocks(
         model: &Model,
         channels: Vec<Channel>,
@@ -123,7 +124,7 @@ impl Baseline {
         Ok(Self { meter, block_s: settings.block_s, nulls, motion, summary })
     }
 
-    /// What it supports.
+    /// Amount of healthy data, and the false alarm rate that it supports.
     #[must_use]
     pub fn summary(&self) -> &Summary {
         &self.summary
@@ -155,7 +156,8 @@ fn motion_range(mut sizes: Vec<f64>) -> [f64; 2] {
     [low / LESS_MOTION, MORE_MOTION * sizes[sizes.len() - 1]]
 }
 
-/// The distribution of a statistic over healthy blocks, wide enough that these raise no alarm at one alarm in their own length.
+/// Null distribution of a statistic, widened so that the baseline itself raises no alarm at a rate of one alarm per baseline
+/// length.
 fn null(values: &[f64], statistics: usize) -> Option<Null> {
     let null = Null::of(values)?;
     let mut test = SequentialTest::new(null.clone());

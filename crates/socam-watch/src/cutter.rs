@@ -33,7 +33,7 @@ impl Block {
     }
 }
 
-/// These blocks, in order of time, as one recording with exact times.
+/// Joins blocks, which are in order of time, to one recording with exact sample times.
 pub(crate) fn dataset<'b>(
     blocks: impl IntoIterator<Item = &'b Block>,
     channels: &[Channel],

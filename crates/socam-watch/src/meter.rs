@@ -52,7 +52,7 @@ impl Meter {
         Self { model: model.clone(), noise, step_s, channels, free }
     }
 
-    /// What each statistic measures.
+    /// Quantity that each statistic measures.
     pub(crate) fn symptoms(&self) -> Vec<Symptom> {
         let outputs = || self.model.outputs().map(|output| output.name.clone());
         let parameters = self.free.iter().map(|k| Symptom::Parameter(self.model.parameters[*k].name.clone()));

@@ -38,7 +38,8 @@ fn causes(meter: &Meter, data: &[socam_recording::Dataset]) -> Result<Option<Vec
     let Some(at) = comparison::measure(&problem, &meter.noise, &values)? else { return Ok(None) };
     let ranked = ranking::rank(&meter.model, data, &meter::options(), &meter.noise, &at)?;
     let Some(best) = ranked.first() else { return Ok(Some(Vec::new())) };
-    // What the best cause leaves is the scale of the differences between causes, and the error of linearisation is its lower bound.
+    // The chi-square that the best cause leaves is the scale of differences between causes; its lower bound is the error of
+    // linearisation.
     let count: f64 = at.count.iter().sum();
     let left = (at.total() - best.gain) / count.max(1.0);
     // A difference of `LINEAR` counts as two units of log-likelihood.

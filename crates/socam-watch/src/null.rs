@@ -26,7 +26,8 @@ pub(crate) struct Null {
 }
 
 impl Null {
-    /// From values of successive healthy blocks; NaN where missing. `None` where fewer than three are present or all are equal.
+    /// Estimates the distribution from values of successive healthy blocks; missing values are NaN. `None` if fewer than three are
+    /// present or all are equal.
     pub(crate) fn of(values: &[f64]) -> Option<Self> {
         let present: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
         let count = present.len() as f64;
@@ -66,7 +67,7 @@ impl Null {
         self.margin * (self.correlation * (1.0 / blocks + 1.0 / self.count) + self.drift).sqrt()
     }
 
-    /// The same with standard deviations larger by a factor.
+    /// Multiplies the standard deviations by `factor`, but never reduces them.
     pub(crate) fn widened(self, factor: f64) -> Self {
         Self { margin: self.margin * factor.max(1.0), ..self }
     }

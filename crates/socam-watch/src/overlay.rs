@@ -1,4 +1,4 @@
-//! What a view draws: model and measurement over each other.
+//! Data that a view draws: model and measurement in one plot.
 
 use std::sync::Arc;
 
@@ -9,14 +9,14 @@ use crate::{Alarm, Summary, Symptom};
 pub struct BlockSignals {
     /// Times of the samples, s.
     pub time_s: Vec<f64>,
-    /// By output of the model, as measured, SI; NaN where missing.
+    /// Measured values by output of the model, SI; NaN where missing.
     pub measured: Vec<Vec<f64>>,
-    /// By output, the free run of the model from a start state fitted to this block, SI.
+    /// Free run of the model from an initial state fitted to this block, by output, SI.
     pub model: Vec<Vec<f64>>,
-    /// By output, innovations in units of healthy noise; zero where missing.
+    /// Innovations by output, in units of healthy noise; zero where missing.
     pub innovations: Vec<Vec<f64>>,
-    /// By statistic, in the order of [`Overlay::statistics`]: its sequential test divided by its threshold, 1. An alarm is raised above 1.
-    /// Empty where the block was not judged.
+    /// Sequential test by statistic, in the order of [`Overlay::statistics`], divided by its threshold, 1. An alarm is raised above
+    /// 1. Empty if the block was not judged.
     pub tests: Vec<f64>,
 }
 
@@ -25,21 +25,21 @@ pub struct BlockSignals {
 pub struct OverlayChannel {
     /// Name of the output channel.
     pub name: String,
-    /// Its SI unit.
+    /// SI unit of the channel.
     pub unit: &'static str,
 }
 
-/// What a watch is doing.
+/// Phase of the monitoring.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Phase {
-    /// It collects the baseline.
+    /// The baseline is being collected.
     Learning {
         /// Healthy samples so far, s.
         collected_s: f64,
         /// Length that is needed, s.
         needed_s: f64,
     },
-    /// It watches.
+    /// Samples are being monitored.
     Watching,
     /// An alarm stands.
     Alarmed,
@@ -48,17 +48,17 @@ pub enum Phase {
 /// A snapshot for views. Taking one copies references, no samples.
 #[derive(Debug, Clone)]
 pub struct Overlay {
-    /// What the watch is doing.
+    /// Phase of the monitoring.
     pub phase: Phase,
     /// The outputs of the model.
     pub channels: Arc<Vec<OverlayChannel>>,
-    /// What each statistic measures.
+    /// Quantity that each statistic measures.
     pub statistics: Arc<Vec<Symptom>>,
     /// Blocks of the window, the oldest first.
     pub blocks: Vec<Arc<BlockSignals>>,
     /// All alarms so far, the oldest first; at most [`Overlay::MOST_ALARMS`].
     pub alarms: Vec<Alarm>,
-    /// What the baseline supports; `None` while it is learned.
+    /// Amount of healthy data in the baseline; `None` while the baseline is collected.
     pub baseline: Option<Summary>,
     /// Number of blocks that were not judged: more or less motion than in the baseline, too few samples, an overflow.
     pub not_judged: usize,

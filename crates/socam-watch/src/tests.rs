@@ -24,7 +24,7 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
     Distribution::<f64>::sample(&StandardNormal, random)
 }
 
-/// So many seconds of the bench; from `change.0` on, s, the stiffness is `change.1` times its value.
+/// Recording of the bench over `duration_s` seconds; from the time `change.0`, s, the stiffness is multiplied by `change.1`.
 fn bench(seed: u64, duration_s: f64, change: (f64, f64)) -> Dataset {
     let model = model();
     let mut random = ChaCha8Rng::seed_from_u64(seed);

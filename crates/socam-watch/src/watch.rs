@@ -60,7 +60,7 @@ struct Standing {
     is_named: bool,
 }
 
-/// What views are given.
+/// Data that is kept for views.
 #[derive(Debug)]
 struct View {
     channels: Arc<Vec<OverlayChannel>>,

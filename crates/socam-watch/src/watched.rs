@@ -1,4 +1,4 @@
-//! A whole recording under a watch.
+//! Monitoring of a whole recording.
 
 use serde::Serialize;
 use socam_recording::Dataset;
@@ -7,18 +7,18 @@ use crate::alarm::{Alarm, Event, Summary};
 use crate::error::WatchError;
 use crate::watch::Watch;
 
-/// What a watch said of recordings, `socam.watch/1`.
+/// Alarms of monitored recordings, schema `socam.watch/1`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Document {
     schema: &'static str,
     /// Name of the model.
     pub model: String,
-    /// In the order in which they were watched.
+    /// Results by recording, in the order in which they were monitored.
     pub recordings: Vec<Watched>,
 }
 
 impl Document {
-    /// Of recordings that were watched against a model.
+    /// Creates the document from recordings that were monitored against a model.
     #[must_use]
     pub fn new(model: impl Into<String>, recordings: Vec<Watched>) -> Self {
         Self { schema: "socam.watch/1", model: model.into(), recordings }
@@ -28,13 +28,13 @@ impl Document {
 /// A recording that was watched from its beginning to its end.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Watched {
-    /// Its name.
+    /// Name of the recording.
     pub recording: String,
     /// `None` where the recording is too short to learn from.
     pub baseline: Option<Summary>,
     /// Blocks with more or less motion than the baseline, or with too few samples.
     pub blocks_not_judged: usize,
-    /// With their causes, where these were sought.
+    /// Alarms, with their causes where these were sought.
     pub alarms: Vec<Alarm>,
     /// Number of the alarm and time of its end, s.
     pub returned: Vec<(usize, f64)>,

@@ -13,27 +13,27 @@ use crate::encoder::{CHECKSUM, HEAD, MAX_FRAME, TAIL};
 pub enum LinkError {
     /// Bytes that are no frame, or a damaged one.
     Corrupt {
-        /// How many.
+        /// Number of bytes that were discarded.
         bytes: u32,
     },
     /// The peer speaks another version of the messages.
     ForeignVersion {
-        /// Its version; ours is [`SCHEMA_VERSION`].
+        /// Version that the peer speaks; ours is [`SCHEMA_VERSION`].
         theirs: u8,
     },
     /// Frames are missing before the next message.
     Lost {
-        /// How many.
+        /// Number of missing frames.
         frames: u32,
     },
     /// The latest frame was repeated; it is ignored.
     Repeated {
-        /// Its number.
+        /// Number of the repeated frame.
         seq: u32,
     },
     /// A frame arrived after a later one (or again); it is ignored.
     Reordered {
-        /// Its number.
+        /// Number of the late frame.
         seq: u32,
         /// The expected number.
         expected: u32,
@@ -42,7 +42,7 @@ pub enum LinkError {
     Restarted,
     /// An intact frame of this version with an unknown message: same version, different program.
     Unreadable {
-        /// Its number.
+        /// Number of the frame.
         seq: u32,
     },
 }

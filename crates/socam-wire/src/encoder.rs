@@ -39,7 +39,7 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// An encoder whose first frame has number 0.
+    /// Creates an encoder whose first frame has number 0.
     pub fn new() -> Self {
         Self::default()
     }

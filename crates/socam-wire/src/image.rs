@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::encoder::CHECKSUM;
 
-/// What stands in front of the place of length and checksum.
+/// Byte pattern in front of length and checksum, by which they are found in an image.
 const MARK: [u8; 16] = *b"socam image seal";
 
 /// Bytes of length and checksum.
@@ -25,14 +25,14 @@ impl Seal {
     pub const OPEN: Self = Self(MARK, OPEN);
 }
 
-/// What a board found when it compared its image with the seal at its start.
+/// Result of the board's comparison of its image with the seal, when it started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Image {
     /// The image is the one that was flashed.
     Whole,
-    /// It carries no checksum: it was put on the board by a debugger, not by `socam-host flash`.
+    /// The image carries no checksum: it was put on the board by a debugger, not by `socam-host flash`.
     Unsealed,
-    /// It is not the one that was flashed.
+    /// The image is not the one that was flashed.
     Damaged,
 }
 

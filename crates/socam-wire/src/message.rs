@@ -8,7 +8,7 @@ use socam_core::{Refusal, Request, Status};
 use crate::decoder::LinkCounts;
 use crate::{Image, SampleBatch, Text};
 
-/// From the host to the board.
+/// A message from the host to the board.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "there is no allocator to box with")]
 pub enum ToBoard {
@@ -23,7 +23,7 @@ pub enum ToBoard {
     },
 }
 
-/// From the board to the host.
+/// A message from the board to the host.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "there is no allocator to box with")]
 pub enum ToHost {
@@ -49,7 +49,7 @@ pub struct Identity {
     pub board: Text<48>,
     /// Version of its firmware.
     pub firmware: Text<24>,
-    /// Its converters.
+    /// Analogue-to-digital converters of the board.
     pub front_end: FrontEnd,
     /// Why its program started last.
     pub start: Start,
@@ -64,9 +64,9 @@ pub struct Identity {
 pub enum EnableFeedback {
     /// The board cannot.
     Nowhere,
-    /// At its own pin: what is behind the pin is not seen.
+    /// The line is read back at the board's own pin: faults behind the pin are not seen.
     Pin,
-    /// At its own pin and at the drive.
+    /// The line is read back at the board's own pin and at the drive.
     Drive,
 }
 
@@ -85,9 +85,9 @@ impl fmt::Display for EnableFeedback {
 pub enum Start {
     /// The board was switched on, or its supply came back.
     Supply,
-    /// Its reset pin.
+    /// The reset pin was pulled.
     Pin,
-    /// Its watchdog.
+    /// The watchdog reset the board.
     Watchdog,
     /// A debugger.
     Debugger,

@@ -8,9 +8,9 @@ use socam_recording::{Channel, Dataset};
 pub struct About {
     /// The name that it was opened by.
     pub name: String,
-    /// Its channels, in the order of its columns.
+    /// Channels of the recording, in the order of its columns.
     pub channels: Vec<Channel>,
-    /// What happened during it.
+    /// Events during the recording.
     pub events: Vec<Happening>,
     /// Metadata by name: operator's notes, versions.
     pub facts: Vec<(String, String)>,

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::derivation::Derivation;
 use crate::signal::Signal;
 
-/// What stands in a layout's file.
+/// Schema of a layout's file.
 pub const SCHEMA: &str = "socam.layout/1";
 
 /// A layout of the view over time: its plots, what is hidden, and its derived channels. It names channels, not recordings, and can be
@@ -63,20 +63,20 @@ pub enum Node {
     Column(Vec<Part>),
     /// Beside each other.
     Row(Vec<Part>),
-    /// In one place, one of them in front.
+    /// Several parts in one place, one of them in front.
     Tabs(Vec<Node>),
 }
 
 /// A part of a column or row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Part {
-    /// Its share of the height or width, relative to the other parts.
+    /// Share of the height or width, relative to the other parts.
     pub share: f32,
-    /// What is in it.
+    /// Content of the part.
     pub of: Node,
 }
 
-/// What a tile shows.
+/// Content of a tile.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Plot {
@@ -110,7 +110,7 @@ impl Plot {
         matches!(self, Self::Time(_) | Self::Spectrogram(_))
     }
 
-    /// Its title.
+    /// Title of the tile.
     #[must_use]
     pub fn title(&self) -> String {
         match self {

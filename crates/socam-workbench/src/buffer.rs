@@ -38,7 +38,7 @@ impl Buffer {
         Self { columns: vec![Vec::new(); channels.len()], channels, ..Self::default() }
     }
 
-    /// Its channels.
+    /// Channels of the buffer.
     #[must_use]
     pub fn channels(&self) -> &[Channel] {
         &self.channels

@@ -18,7 +18,7 @@ use crate::run::Run;
 /// State of the link.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Link {
-    /// There is none.
+    /// There is no connection.
     #[default]
     Closed,
     /// The device was asked.
@@ -42,7 +42,7 @@ pub struct Connection {
     fresh: Vec<Arc<Batch>>,
     /// Largest magnitude of each channel.
     limits: Vec<Option<f64>>,
-    /// What happened in the time of the buffer.
+    /// Events within the time of the buffer.
     events: Vec<Happening>,
     /// The run that is recorded, or the last one.
     run: Option<Run>,
@@ -58,7 +58,7 @@ impl std::fmt::Debug for Connection {
     }
 }
 
-/// What there is to know.
+/// State of the connection.
 impl Connection {
     /// State of the link.
     #[must_use]
@@ -115,7 +115,7 @@ impl Connection {
         self.limits.get(channel).copied().flatten()
     }
 
-    /// What happened lately: `start`, `note`, `stop` and `fault`, at its time since the link was opened.
+    /// Recent events: `start`, `note`, `stop` and `fault`, each at its time since the link was opened.
     #[must_use]
     pub fn events(&self) -> &[Happening] {
         &self.events
@@ -147,7 +147,7 @@ impl Connection {
     }
 }
 
-/// What can be asked of the bench.
+/// Requests to the bench.
 impl Connection {
     /// Sets the function that makes a link; without it no bench can be reached.
     pub fn connect_by(&mut self, connector: Connector) {
@@ -236,7 +236,7 @@ impl Connection {
     }
 }
 
-/// What the bench says.
+/// Messages from the bench.
 impl Connection {
     /// Processes the news and samples that have arrived.
     pub fn listen(&mut self) {

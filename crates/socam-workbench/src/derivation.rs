@@ -10,7 +10,7 @@ use socam_units::Product;
 
 use crate::signal::Signal;
 
-/// How a channel is derived from one or two others.
+/// Operation by which a channel is derived from one or two others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Operation {
@@ -19,15 +19,15 @@ pub enum Operation {
     Derivative,
     /// Integral by trapezoids; it begins at 0 after each gap.
     Integral,
-    /// One channel minus another, such as a twist.
+    /// One channel minus another, for example a twist.
     Difference,
     /// One channel over another.
     Ratio,
-    /// One channel times another, such as a power.
+    /// One channel times another, for example a power.
     Product,
     /// Butterworth low-pass, forward and backward.
     LowPass,
-    /// What the low-pass takes away.
+    /// The part of the signal that the low-pass removes.
     HighPass,
     /// Mean of a window around each sample.
     MovingMean,
@@ -46,7 +46,7 @@ impl Operation {
         Self::MovingMean,
     ];
 
-    /// Its name.
+    /// Name of the operation.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -61,7 +61,7 @@ impl Operation {
         }
     }
 
-    /// What it computes, in a sentence.
+    /// Explanation of the operation, in a sentence.
     #[must_use]
     pub fn sentence(self) -> &'static str {
         match self {
@@ -80,7 +80,7 @@ impl Operation {
         }
     }
 
-    /// What stands before the second channel; `None` for operations of one channel.
+    /// Label of the second channel; `None` for operations of one channel.
     #[must_use]
     pub fn second(self) -> Option<&'static str> {
         match self {
@@ -91,7 +91,7 @@ impl Operation {
         }
     }
 
-    /// What its number is, and the number's unit.
+    /// Meaning and unit of the operation's number.
     #[must_use]
     pub fn value(self) -> Option<(&'static str, &'static str)> {
         match self {
@@ -106,7 +106,7 @@ impl Operation {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Derivation {
-    /// What is computed.
+    /// Operation of the derivation.
     pub operation: Operation,
     /// Name of the channel.
     pub of: String,
@@ -119,7 +119,7 @@ pub struct Derivation {
 }
 
 impl Derivation {
-    /// Its name: the channel's, a dot, and what is computed.
+    /// Name of the derived channel: the channel's name, a dot, and the operation.
     #[must_use]
     pub fn name(&self) -> String {
         let second = self.second.as_deref().unwrap_or_default();
@@ -137,7 +137,7 @@ impl Derivation {
         format!("{}.{end}", self.of)
     }
 
-    /// Its unit, from those of its channels.
+    /// Unit of the derived channel, from those of its channels.
     ///
     /// # Errors
     /// When channels of different units are to be subtracted, or a unit is unknown; one sentence.

@@ -19,10 +19,10 @@ struct Running {
     job: Job<Result<Samples, String>>,
 }
 
-/// What is to be derived, and the job that does it.
+/// Channels to derive, and the job that derives them.
 #[derive(Default)]
 pub struct Derivations {
-    /// In the order of their definition: a channel may be derived from an earlier one.
+    /// Derivations in the order of their definition: a channel may be derived from an earlier one.
     pub all: Vec<Derivation>,
     running: Option<Running>,
 }

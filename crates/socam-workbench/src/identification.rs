@@ -24,7 +24,7 @@ pub struct Identification {
     /// Combinations of parameters that are determined.
     #[serde(default)]
     pub combinations: Vec<Parameter>,
-    /// How well the model fits.
+    /// Fit of the model.
     pub fit: Fit,
     /// Fits of recordings that were not fitted.
     #[serde(default)]
@@ -58,7 +58,7 @@ pub struct Parameter {
     /// Parameters that are strongly correlated with it.
     #[serde(default)]
     pub determined_with: Vec<String>,
-    /// In terms of parameters, for combinations.
+    /// Formula in terms of parameters, for combinations.
     #[serde(default)]
     pub expression: String,
     /// Why it is not determined, or anything else worth saying.
@@ -71,14 +71,14 @@ pub struct Parameter {
 pub struct Validation {
     /// Name of the recording.
     pub recording: String,
-    /// How well it is predicted.
+    /// Fit of the prediction.
     pub fit: Fit,
 }
 
 /// Fit of all channels.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Fit {
-    /// By channel name.
+    /// Fit by channel name.
     pub channels: BTreeMap<String, ChannelFit>,
 }
 
@@ -101,7 +101,7 @@ fn or_nan<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<f64, D::E
     Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
-/// What is known of a parameter besides its value.
+/// Text on what is known of a parameter besides its value.
 #[must_use]
 pub fn known(parameter: &Parameter) -> String {
     if parameter.source == "fixed" {

@@ -26,15 +26,15 @@ pub enum Kind {
 /// Settings of the panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// What kind.
+    /// Kind of signal.
     pub kind: Kind,
-    /// Of the sine, V.
+    /// Amplitude of the sine, V.
     pub amplitude_v: f64,
-    /// Of the sine, Hz.
+    /// Frequency of the sine, Hz.
     pub frequency_hz: f64,
-    /// Of the sine, V.
+    /// Offset of the sine, V.
     pub offset_v: f64,
-    /// Of the constant, V.
+    /// Level of the constant, V.
     pub level_v: f64,
     /// Duration, s.
     pub duration_s: f64,
@@ -206,13 +206,13 @@ impl Signal {
         [!self.done.is_empty(), !self.undone.is_empty()]
     }
 
-    /// As text, for the clipboard and for files.
+    /// The signal as text, for the clipboard and for files.
     #[must_use]
     pub fn text(&self) -> String {
         self.settings.file().to_toml()
     }
 
-    /// From text.
+    /// Replaces the signal by one that is read from text.
     ///
     /// # Errors
     /// When it is no profile; one sentence.

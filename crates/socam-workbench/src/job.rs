@@ -55,7 +55,7 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 pub struct Job<T> {
     handle: Handle,
     result: Receiver<T>,
-    /// When its thread was started; `None` where there are no threads.
+    /// Time at which the thread of the job was started; `None` on platforms without threads.
     since: Option<Instant>,
 }
 

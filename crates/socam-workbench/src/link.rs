@@ -36,7 +36,7 @@ pub enum Order {
 pub struct Plan {
     /// The command.
     pub signal: ProfileFile,
-    /// Its name, for the recording.
+    /// Name of the signal, for the recording.
     pub name: String,
     /// Samples per second.
     pub rate_hz: f64,
@@ -67,7 +67,7 @@ pub enum News {
         /// Planned duration, s.
         planned_s: f64,
     },
-    /// It has ended, and its file is closed.
+    /// The run has ended, and its file is closed.
     Ended {
         /// The file.
         path: PathBuf,
@@ -101,7 +101,7 @@ pub struct Health {
     pub recorded: Option<[u64; 2]>,
 }
 
-/// How often the operator pressed stop: 1 asks for a gentle stop, 2 or more cuts the command.
+/// Number of times that the operator pressed stop: 1 asks for a gentle stop, 2 or more cuts the command.
 pub type Presses = Arc<AtomicU32>;
 
 /// The window's end of a link.
@@ -126,7 +126,7 @@ pub struct Bench {
     pub news: Sender<News>,
     /// Samples for the window.
     pub samples: SampleQueue,
-    /// How often stop was pressed since the last run began.
+    /// Number of times that stop was pressed since the last run began.
     pub presses: Presses,
 }
 

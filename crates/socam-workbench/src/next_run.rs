@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::input_signal::Settings;
 use crate::link::Plan;
 
-/// What the operator chooses for the next run besides its input signal.
+/// The operator's choices for the next run besides its input signal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NextRun {
     /// Folder of the recording.

@@ -18,7 +18,7 @@ pub type Read = fn(&str) -> Result<Dataset, String>;
 pub struct Recording {
     /// Description.
     pub about: About,
-    /// Its samples.
+    /// Samples of the recording.
     pub samples: Arc<Samples>,
     file: Option<(PathBuf, Read)>,
 }
@@ -89,7 +89,7 @@ impl Recording {
         Ok(Self { file: Some((path, read)), ..recording })
     }
 
-    /// Its file; `None` if it was simulated here.
+    /// File of the recording; `None` if it was simulated here.
     #[must_use]
     pub fn path(&self) -> Option<&Path> {
         self.file.as_ref().map(|(path, _)| path.as_path())

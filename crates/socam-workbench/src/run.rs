@@ -7,7 +7,7 @@ use crate::buffer::Buffer;
 /// A run and its recording.
 #[derive(Debug, Clone, Default)]
 pub struct Run {
-    /// Its file.
+    /// File of the run.
     pub path: PathBuf,
     /// Planned duration, s.
     pub planned_s: f64,

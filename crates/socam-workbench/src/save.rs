@@ -29,7 +29,7 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// Writes a recording into a new file, by its name as `.csv` or `.m`.
+/// Writes a recording into a new file, whose ending `.csv` or `.m` selects the format.
 ///
 /// # Errors
 /// When there is such a file already, it cannot be written, or it was cancelled; nothing is left then.

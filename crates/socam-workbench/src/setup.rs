@@ -8,15 +8,15 @@ use crate::about::short;
 use crate::entry::Entry;
 use crate::recording::Recording;
 
-/// What a recording is used for.
+/// Role of a recording in an identification or diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Role {
-    /// It is fitted.
+    /// The recording is fitted.
     #[default]
     Fit,
-    /// It is not fitted, only predicted: the proof.
+    /// The recording is not fitted but predicted, for validation.
     HoldOut,
-    /// It is left out.
+    /// The recording is left out.
     Unused,
 }
 
@@ -25,7 +25,7 @@ pub enum Role {
 pub struct Roles(BTreeMap<String, Role>);
 
 impl Roles {
-    /// What a recording is used for.
+    /// Role of a recording.
     #[must_use]
     pub fn of(&self, entry: &Entry) -> Role {
         let usual = if entry.shown { Role::Fit } else { Role::Unused };
@@ -89,16 +89,16 @@ impl Changes {
     }
 }
 
-/// Which recordings are fitted and which are held out, and which parameters are fixed. Both views show the same set-up.
+/// Roles of the recordings (fitted or held out), and fixed parameters. Both views show the same set-up.
 #[derive(Debug, Clone, Default)]
 pub struct Setup {
-    /// What each recording is used for.
+    /// Role of each recording.
     pub roles: Roles,
     /// Start values and fixed parameters.
     pub changes: Changes,
 }
 
-/// What is fitted.
+/// Recordings and model of the next fit.
 #[derive(Debug, Clone)]
 pub struct Chosen {
     /// The model with start values and fixed parameters.
@@ -120,7 +120,7 @@ impl Setup {
         self.changes.set(name, value, is_fixed);
     }
 
-    /// What is fitted.
+    /// Recordings and model of the next fit.
     ///
     /// # Errors
     /// Why nothing can be started; one sentence.

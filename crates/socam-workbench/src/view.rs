@@ -16,11 +16,11 @@ pub enum View {
     /// Parameters of the model, from recordings. Layouts of earlier versions call it by its result.
     #[serde(alias = "Parameters")]
     Identify,
-    /// What physics the model lacks.
+    /// Physics that the model lacks.
     Diagnosis,
     /// A bench or recording with the model running beside it.
     Watch,
-    /// What the recordings of many machines say together.
+    /// Results over the recordings of many machines.
     Fleet,
 }
 

@@ -1,4 +1,4 @@
-//! What all views work on, and what they ask of the window.
+//! Data on which all views work, and requests of the views to the window.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use crate::view::View;
 /// Writes a folder of that name; an error is one sentence.
 pub type WriteFolder = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 
-/// What is saved once its place is known.
+/// Content that is saved once a place for it is chosen.
 pub enum Content {
     /// A file.
     Bytes(Vec<u8>),
@@ -77,7 +77,7 @@ pub struct Workspace {
     model: Model,
     /// The models that were used before.
     models: Vec<Model>,
-    /// What the next identification or diagnosis is made of.
+    /// Set-up of the next identification or diagnosis.
     pub setup: Setup,
     /// Counts the models that have been set; results that depend on the model are kept with it.
     revision: u64,
@@ -142,7 +142,7 @@ impl Workspace {
         self.models.iter().chain([&self.model]).cloned().collect()
     }
 
-    /// What the next identification or diagnosis fits.
+    /// Recordings and model that the next identification or diagnosis fits.
     ///
     /// # Errors
     /// Why nothing can be started; one sentence.
@@ -181,7 +181,7 @@ impl Workspace {
         self.requests.push(request);
     }
 
-    /// What was asked since the last call.
+    /// Requests since the last call.
     pub fn take_requests(&mut self) -> Vec<Request> {
         std::mem::take(&mut self.requests)
     }

@@ -70,7 +70,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let path = args.output.unwrap_or_else(|| beside(&args.model, target));
     let to_stdout = path.as_os_str() == "-";
     let name = name(&args.model, &path, target)?;
-    // Before the work: whether the file may be written.
+    // Whether the file may be written is checked before the work.
     let file = if to_stdout {
         None
     } else {

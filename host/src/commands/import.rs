@@ -187,7 +187,7 @@ fn settings(data: &Dataset, selection: &Selection) -> anyhow::Result<BTreeMap<St
     Ok(metadata)
 }
 
-/// When the file was last written: the best guess at when it was recorded, and the same on every import.
+/// Time at which the file was last written: the best guess of the time of recording, and the same at every import.
 fn modified_unix_ns(selection: &Selection) -> u64 {
     let modified = selection.path.metadata().and_then(|m| m.modified()).ok();
     let since = modified.and_then(|time| time.duration_since(UNIX_EPOCH).ok());

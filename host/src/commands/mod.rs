@@ -36,7 +36,7 @@ use std::process::ExitCode;
 
 use socam_recording::Dataset;
 
-/// How a command that did not fail ended.
+/// Outcome of a command that did not fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// Done.
@@ -46,7 +46,7 @@ pub(crate) enum Outcome {
 }
 
 impl Outcome {
-    /// Of a command that did its work on these recordings: whether they are cut off, damaged, or lack samples.
+    /// Outcome of a command that used these recordings: whether they are cut off, damaged, or lack samples.
     pub(crate) fn on<'d>(recordings: impl IntoIterator<Item = &'d Dataset>) -> Self {
         if recordings.into_iter().all(Dataset::is_complete) { Self::Done } else { Self::LostSamples }
     }

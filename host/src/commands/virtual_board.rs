@@ -53,7 +53,7 @@ pub(crate) struct Args {
 /// Board time per turn.
 const TURN: Duration = Duration::from_millis(5);
 
-/// In fast mode the board's time stops when the host was silent for this time, well before its watchdog trips.
+/// Time of silence of the host after which the board's time stops in fast mode, well before its watchdog trips.
 const FAST_LEAD_US: u64 = 200_000;
 
 /// Time without a valid message after which a host is dropped; it sends a heartbeat ten times a second.
@@ -114,7 +114,7 @@ struct Server<'s, 'b> {
     board: &'s mut VirtualBoard<'b>,
     pace: Pace,
     host: Option<TcpStream>,
-    /// When the host's last valid message came.
+    /// Time of the host's last valid message.
     heard: Instant,
     /// The board's time of the last message of the host.
     heard_us: u64,

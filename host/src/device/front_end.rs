@@ -38,7 +38,7 @@ pub(crate) fn check(calibration: &Calibration, front_end: &FrontEnd) -> anyhow::
     Ok(())
 }
 
-/// What a board calls full scale is the voltage at 2^15 counts, however many bits it has.
+/// Full scale is the voltage at 2^15 counts, for a converter with any number of bits.
 fn fits(converter: &Converter, full_scale_uv: u32) -> bool {
     (converter.volts_per_count() * 32_768.0 / volts(full_scale_uv) - 1.0).abs() < 1e-6
 }

@@ -13,12 +13,12 @@ use socam_sim::{Setup, SimError, VirtualBoard};
 /// Board time per turn.
 const TURN_US: u64 = 20_000;
 
-/// How fast a virtual board's time passes.
+/// Pace of a virtual board's time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Pace {
-    /// As fast as possible.
+    /// Time passes as fast as possible.
     Fast,
-    /// In real time.
+    /// Time passes in real time.
     RealTime,
 }
 
@@ -39,7 +39,7 @@ impl InProcess {
         thread::Builder::new().name("virtual board".into()).spawn(move || {
             let served = VirtualBoard::run(&setup, |board| serve(board, pace, &requests, &answers));
             if let Err(error) = served {
-                // The host is told with its first read; when it is gone there is nobody to tell.
+                // The host gets the error with its first read; if the host is gone, the error is lost.
                 let _ = answers.send(Err(error));
             }
         })?;

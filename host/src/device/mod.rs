@@ -20,7 +20,7 @@ pub(crate) use session::Session;
 use stream::{Stream, find_board, open_serial, open_tcp};
 use token::Token;
 
-/// Where a board is.
+/// Location of a board.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Device {
     /// A virtual board in this process.
@@ -34,7 +34,7 @@ pub(crate) enum Device {
 }
 
 impl Device {
-    /// The same device, with the token that it may ask for.
+    /// The device with the token that a board behind TCP may ask for.
     pub(crate) fn with_token(self, token: Option<Token>) -> Self {
         match self {
             Self::Tcp(address, _) => Self::Tcp(address, token),

@@ -64,7 +64,7 @@ pub(crate) fn record(session: &mut Session, plan: Plan, interrupt: &Interrupt) -
     record_watched(session, plan, interrupt, None)
 }
 
-/// The same, watched against a model.
+/// Runs the plan's profile and records it while it is monitored against a model; Ctrl-C stops it.
 pub(crate) fn record_watched(
     session: &mut Session,
     plan: Plan,
@@ -128,7 +128,7 @@ fn metadata(session: &Session, plan: &Plan) -> BTreeMap<String, String> {
     plan.metadata.clone().into_iter().chain(known).collect()
 }
 
-/// When the channels of a sample are measured, in words: it tells delays of the board from those of the bench.
+/// Instants at which the channels of a sample are measured, as text: it distinguishes delays of the board from those of the bench.
 fn sampling(channel_step_ns: u32, period_us: u32) -> String {
     let conversions = socam_core::conversions_per_sample(period_us);
     format!(

@@ -97,7 +97,7 @@ fn a_fault_that_was_cleared_before_the_run_does_not_end_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let mut session = Session::open(in_process(&calibration), "test".into(), true).unwrap();
-    // The board tells of its fault at once; nobody takes note before the run.
+    // The board reports its fault at once; the report is ignored before the run.
     session.request(Request::EmergencyStop).unwrap().unwrap();
     let report = record(&mut session, plan(&calibration, &path), &Interrupt::default()).unwrap();
     assert_eq!(report.end, End::Finished);
@@ -210,7 +210,7 @@ fn a_board_on_a_serial_line_is_recorded() {
     serialport::SerialPort::set_timeout(&mut line_out, Duration::from_secs(5)).unwrap();
     std::thread::spawn(move || {
         let mut buffer = [0; 1024];
-        // Where either end has nothing to say, or no host has opened the line, there is nothing to pass on.
+        // If either end has nothing to send, or no host has opened the line, there is nothing to forward.
         loop {
             let count = line.read(&mut buffer).unwrap_or(0);
             board.write_all(&buffer[..count]).unwrap();

@@ -36,7 +36,7 @@ pub(super) struct Integrator {
 }
 
 impl Integrator {
-    /// At rest at time 0; `smallest` is the least magnitude that matters.
+    /// An integration that starts at rest at time 0. `smallest` is the least magnitude that matters.
     pub(super) fn at_rest(states: usize, angles: usize, smallest: f64) -> Self {
         Self {
             angles,

@@ -1,8 +1,8 @@
-//! What is hidden in which case.
+//! Kinds of hidden effects, and the kind of each case.
 
 use serde::{Deserialize, Serialize};
 
-/// What is hidden in a case.
+/// Kind of what is hidden in a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {

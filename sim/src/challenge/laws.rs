@@ -15,7 +15,7 @@ pub(super) struct Acting {
     pub(super) parameters: Vec<f64>,
 }
 
-/// Where a law acts, by index.
+/// Place at which a law acts, by index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Site {
     Node(usize),

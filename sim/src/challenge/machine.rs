@@ -27,7 +27,7 @@ pub enum Sort {
 pub struct Parameter {
     /// Name in the model file.
     pub name: String,
-    /// Its kind.
+    /// Kind of the parameter.
     pub sort: Sort,
     /// True value.
     pub value: f64,
@@ -116,7 +116,7 @@ pub struct Input {
     pub gain: Option<usize>,
 }
 
-/// How the input is made during a recording.
+/// Control of the input during a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Control {
@@ -138,7 +138,7 @@ pub enum Control {
     },
 }
 
-/// What a sensor measures.
+/// Quantity that a sensor measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
@@ -157,7 +157,7 @@ pub enum Measure {
 pub struct Sensor {
     /// Channel's name.
     pub name: String,
-    /// What it measures.
+    /// Measured quantity.
     pub measure: Measure,
     /// Node or spring, by its index.
     pub at: usize,
@@ -168,7 +168,7 @@ pub struct Sensor {
 /// A machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
-    /// Its family.
+    /// Family of the machine.
     pub family: String,
     /// Whether coordinates are positions instead of angles.
     pub translates: bool,
@@ -186,11 +186,11 @@ pub struct Machine {
     pub bearings: Vec<Bearing>,
     /// Node on which gravity acts as on a hanging pendulum, and the parameter of its torque; part of the model.
     pub gravity: Option<(usize, usize)>,
-    /// Its input.
+    /// Input of the machine.
     pub input: Input,
-    /// How the input is made.
+    /// Control of the input.
     pub control: Control,
-    /// Its sensors.
+    /// Sensors of the machine.
     pub sensors: Vec<Sensor>,
     /// Samples per second.
     pub rate_hz: f64,

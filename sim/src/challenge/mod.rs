@@ -60,7 +60,7 @@ pub const FAMILY_NAMES: [&str; FAMILIES.len()] = {
 pub struct Case {
     /// Seed of all cases.
     pub seed: u64,
-    /// Its number among the cases of the seed.
+    /// Number of the case among those of the seed.
     pub number: u64,
     /// The kind of what is hidden.
     pub kind: Kind,
@@ -83,9 +83,9 @@ pub struct Case {
 /// The recordings that a diagnosis gets.
 #[derive(Debug, Clone)]
 pub struct Recordings {
-    /// To be fitted.
+    /// Recordings that are fitted.
     pub training: Vec<Dataset>,
-    /// To be predicted only.
+    /// Recordings that are only predicted.
     pub holdout: Vec<Dataset>,
 }
 
@@ -144,7 +144,7 @@ impl Case {
         Ok(Model::parse(&self.machine.model_file())?)
     }
 
-    /// The same machine, background, noise and profiles with nothing hidden.
+    /// The case with the same machine, background, noise and profiles, but nothing hidden.
     #[must_use]
     pub fn without_hidden(&self) -> Self {
         Self { hidden: Vec::new(), kind: Kind::Clean, ..self.clone() }

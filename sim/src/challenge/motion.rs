@@ -47,7 +47,7 @@ pub(super) struct Motion {
 pub(super) struct DriveInput {
     /// Torque on the driven node, its speed, or the servo's reference.
     pub(super) value: f64,
-    /// Its rate, per s.
+    /// Rate of change of `value`, per s.
     pub(super) slope: f64,
     /// Torque of a sampled servo, which replaces that of a continuous one.
     pub(super) held: Option<f64>,

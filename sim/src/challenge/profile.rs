@@ -16,7 +16,7 @@ const WAVES: usize = 40;
 /// A profile: a mean and a shape within about -1 and 1, times an amplitude.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
-    /// Its shape.
+    /// Shape of the profile.
     pub shape: Shape,
     /// Mean, relative to the amplitude.
     pub mean: f64,
@@ -113,7 +113,7 @@ impl Profile {
         }
     }
 
-    /// Its value at a time, s.
+    /// Value of the profile at a time, s.
     pub(super) fn at(&self, time_s: f64, duration_s: f64) -> f64 {
         let ease = if time_s < EASE_IN_S { 0.5 - 0.5 * (PI * time_s / EASE_IN_S).cos() } else { 1.0 };
         let waves = match self.shape {
@@ -123,7 +123,7 @@ impl Profile {
         ease * self.amplitude * (self.mean + waves + self.level(time_s))
     }
 
-    /// Its frequency grows exponentially.
+    /// A sine whose frequency grows exponentially.
     fn chirp(&self, time_s: f64, duration_s: f64) -> f64 {
         let [size, low, ratio] = self.waves[0];
         let pace = ratio.ln() / duration_s;

@@ -18,7 +18,7 @@ pub(super) struct Scales {
     /// Torque of each spring, N m, and its largest.
     pub(super) torque: Vec<f64>,
     pub(super) peak_torque: Vec<f64>,
-    /// Each channel about its mean, and its largest magnitude; the input first.
+    /// Size of each channel about its mean, the input first.
     pub(super) channels: Vec<f64>,
     pub(super) peaks: Vec<f64>,
 }

@@ -16,7 +16,7 @@ pub(super) const FINE: usize = 8;
 pub struct Run {
     /// The commanded profile.
     pub profile: Profile,
-    /// Its duration, s.
+    /// Duration of the recording, s.
     pub duration_s: f64,
     /// Seed of the sensors' noise.
     pub noise_seed: u64,

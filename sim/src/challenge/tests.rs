@@ -72,7 +72,7 @@ fn everything_that_can_be_hidden_in_a_family_runs_and_shows() {
         // The default bench's massless points take the truth's integrator many small steps.
         let effects: Vec<_> = match family {
             "speed-o-cam" => vec!["backlash", "missing_compliance"],
-            // Each family has a third of them, so that each effect has a turn in three families.
+            // Each family is tested with a third of the effects, so that each effect is tested in three families.
             _ => hidden::NAMED.into_iter().chain(hidden::OUTSIDE).skip(turn % 3).step_by(3).collect(),
         };
         for effect in effects {

@@ -1,4 +1,4 @@
-//! What a machine has and its model lacks: compliant ties, laws, inertia.
+//! Parts of a machine that its model lacks: compliant ties, laws, inertia.
 
 use super::laws::Acting;
 
@@ -10,7 +10,7 @@ pub(super) struct CompliantTie {
     pub(super) damping: f64,
 }
 
-/// What a machine has and its model lacks.
+/// Parts of a machine that its model lacks.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Unmodelled {
     pub(super) compliant: Vec<CompliantTie>,

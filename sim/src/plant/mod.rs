@@ -31,7 +31,7 @@ type Solver<'p> = Sdirk<'p, Motion, NalgebraLU<f64>, Matrix>;
 /// Equations of motion, prepared for the solver.
 pub struct Plant {
     problem: OdeSolverProblem<Motion>,
-    /// Which states are speeds; the others are angles.
+    /// Flags of the states that are speeds; the others are angles.
     speeds: Vec<bool>,
     /// Names of the states.
     names: Vec<String>,
@@ -100,7 +100,7 @@ impl Plant {
         self.speeds.len()
     }
 
-    /// Which states are speeds; the others are angles or positions.
+    /// Flags of the states that are speeds; the others are angles or positions.
     pub(crate) fn speeds(&self) -> &[bool] {
         &self.speeds
     }
@@ -239,7 +239,7 @@ impl Trajectory<'_> {
             if left_s <= rounding_s {
                 break;
             }
-            // With tolerance for rounding, so that an interval of exactly one step is not divided.
+            // The tolerance for rounding keeps an interval of exactly one step undivided.
             let steps = (left_s / self.step_s - 1e-6).ceil().max(1.0);
             let step_s = left_s / steps;
             *self.solver.state_mut().h = step_s;

@@ -262,7 +262,7 @@ impl NonLinearOpJacobian for Motion {
 }
 
 impl ConstantOp for Motion {
-    /// At rest.
+    /// The initial state is zero: the bench is at rest.
     fn call_inplace(&self, _: f64, x: &mut Self::V) {
         x.fill(0.0);
     }

@@ -7,7 +7,7 @@ use socam_model::Channel;
 pub struct OutputError {
     /// The model's channel.
     pub channel: String,
-    /// Its unit.
+    /// SI unit of the channel.
     pub unit: &'static str,
     /// Samples compared.
     pub samples: usize,

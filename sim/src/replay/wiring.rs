@@ -1,4 +1,4 @@
-//! Which columns of a recording drive which inputs of a model.
+//! Assignment of a recording's columns to a model's inputs.
 
 use std::str::FromStr;
 

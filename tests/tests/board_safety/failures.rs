@@ -24,7 +24,7 @@ pub(super) fn record(board: &Emulator, more: &[&str]) -> Ran {
     run(arguments.iter().chain(duration).chain(more))
 }
 
-/// When it happened first after `from_s`.
+/// Time of the first such event after `from_s`.
 pub(super) fn first(
     log: &[Happened],
     from_s: f64,
@@ -91,7 +91,7 @@ pub(super) fn remembers(board: &mut Emulator, fault: &str) {
     assert!(ran.stderr.contains("remembers an earlier fault") && ran.stderr.contains(fault), "{ran:?}");
 }
 
-/// How often the light blinks between two long pauses, from a time on.
+/// Number of blinks of the light between two long pauses, after a given time.
 pub(super) fn blinks(log: &[Happened], from_s: f64) -> usize {
     let changes: Vec<_> = log.iter().filter(|entry| entry.what == "light" && entry.at_s >= from_s).collect();
     let pauses: Vec<usize> =
@@ -99,7 +99,7 @@ pub(super) fn blinks(log: &[Happened], from_s: f64) -> usize {
     (pauses[1] - pauses[0]) / 2
 }
 
-/// What the board says of itself, unasked; not the first time, which may date from before the line was opened.
+/// Status that the board sends unasked; the first one is skipped, since it may date from before the line was opened.
 pub(super) fn status(board: &Emulator) -> BoardStatus {
     let mut line = TcpStream::connect(("127.0.0.1", board.port)).unwrap();
     line.set_read_timeout(Some(Duration::from_secs(30))).unwrap();

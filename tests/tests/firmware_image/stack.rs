@@ -1,4 +1,4 @@
-//! How much stack functions take, by their instructions.
+//! Stack use of functions, computed from their instructions.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,7 +6,7 @@ use object::{Object, ObjectSection, SectionKind};
 
 use super::{Code, Function};
 
-/// What the processor stacks at an exception: eight words, and one to align them.
+/// Bytes that the processor stacks at an exception: eight words, and one to align them.
 pub(super) const EXCEPTION_FRAME: u64 = 36;
 
 /// Interrupts of different priorities, which can interrupt one another: embassy's clock, the link, sampling.
@@ -36,7 +36,7 @@ impl Code<'_> {
         [thread, interrupts.iter().sum::<u64>() + fault]
     }
 
-    /// Functions whose address stands anywhere in the image: all that a call through a pointer can reach.
+    /// Functions whose address occurs anywhere in the image: all that a call through a pointer can reach.
     fn stored(&self, file: &object::File<'_>) -> Vec<&Function> {
         let kinds = [SectionKind::Text, SectionKind::ReadOnlyData, SectionKind::Data];
         let data = file.sections().filter(|section| kinds.contains(&section.kind()));

@@ -12,7 +12,7 @@ fn wave(slope: u32) -> Vec<f64> {
     (0..ROWS).map(|row| f64::from((row as u32 * slope) % 997) / 8.0 - 62.0).collect()
 }
 
-/// What `info` says of a file, without its name and format.
+/// Output of `info` on a file, without the file's name and format.
 fn info(path: &str) -> Value {
     let mut document = run(["info", path, "--json"]).json();
     let mut recording = document["recordings"][0].take();

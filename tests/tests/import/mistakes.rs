@@ -7,7 +7,8 @@ use super::path;
 const GOOD: &str =
     "[[clocks]]\ntime = \"Zeit\"\nunit = \"ms\"\n\n[channels.speed]\nsignal = \"n_Motor\"\nunit = \"rpm\"\n";
 
-/// What is replaced by what in a good mapping, and the sentence, in which `LOG` and `MAP` stand for the files.
+/// Each entry: the text that is replaced in a good mapping, its replacement, and the message, in which `LOG` and `MAP` stand for
+/// the files.
 const MISTAKES: [(&str, &str, &str); 22] = [
     (
         "unit = \"rpm\"",

@@ -6,7 +6,7 @@ use socam_tests::run;
 
 use super::{columns, path};
 
-/// What a file must be read as: times, and values of `speed` in rad/s.
+/// Expected content of a file: times, and values of `speed` in rad/s.
 struct Case {
     name: &'static str,
     content: &'static [u8],

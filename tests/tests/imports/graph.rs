@@ -16,7 +16,7 @@ pub(super) struct Files {
 }
 
 impl Files {
-    /// From paths within the source folder, with `/`, and texts. Files of tests are left out.
+    /// Builds the graph from sources: paths within the source folder, with `/`, and their texts. Files of tests are left out.
     pub(super) fn new(sources: impl IntoIterator<Item = (String, String)>) -> Self {
         let files = sources.into_iter().map(|(path, text)| (module(&path), (path, Imports::of(&text))));
         let files = files.filter(|(module, _)| module.iter().all(|name| name != "tests"));

@@ -1,6 +1,6 @@
 //! Paths that a source imports: its `use` lines, and paths within its code.
 
-/// What a source imports.
+/// Imports of a source.
 #[derive(Debug, Default)]
 pub(super) struct Imports {
     /// Names that `use` lines bring in, with their paths; `*` for all names of a module.

@@ -150,8 +150,8 @@ pub(super) fn decade(mark: GridMark) -> String {
     }
 }
 
-/// Whether a number stands less than so many points from either end of its axis, which is `length` points long: it would touch what
-/// stands beyond.
+/// Whether a number is less than a margin from either end of its axis, which is `length` points long: it would touch what is drawn
+/// beyond the end.
 pub(super) fn at_an_end(
     value: f64,
     range: &std::ops::RangeInclusive<f64>,

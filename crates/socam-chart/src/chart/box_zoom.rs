@@ -34,7 +34,7 @@ pub(super) fn after_box(
         ui.data_mut(|data| data.remove::<Drawn>(id));
         return None;
     }
-    // Where the pointer has left the window, the box ends where it was seen last.
+    // If the pointer has left the window, the box ends at the pointer's last known position.
     let end = ui.input(|input| input.pointer.latest_pos()).map_or(last, |at| frame.clamp(at));
     if response.dragged_by(PointerButton::Secondary) {
         ui.data_mut(|data| data.insert_temp(id, Drawn([start, end])));

@@ -11,7 +11,7 @@ use crate::theme;
 
 /// Least distance between lines of the grid, points.
 const LINES_APART: f32 = 14.0;
-/// Height from which on numbers beside the vertical axis stand farther apart, points.
+/// Height above which the numbers of the vertical axis are farther apart, points.
 const TALL: f32 = 260.0;
 /// Distance between markers on a marked line, points.
 const MARKERS_APART: f64 = 160.0;

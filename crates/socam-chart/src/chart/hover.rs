@@ -35,7 +35,7 @@ impl Linked {
         self.next = self.next.or(shown.pointer_x);
     }
 
-    /// After the last chart of the stack: if the position has changed, the charts are drawn again.
+    /// Ends the stack of charts: if the position has changed, the charts are drawn again.
     pub fn end(&mut self, ctx: &Context) {
         let next = self.next.take();
         if next != self.at {
@@ -45,7 +45,7 @@ impl Linked {
     }
 }
 
-/// What one curve has at a position.
+/// Value of one curve at a position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Reading {
     /// A sample.

@@ -66,7 +66,7 @@ pub(super) fn line(
         is_dashed: curve.style == Style::Dashed,
         pixels_per_point: ui.pixels_per_point(),
     };
-    // In 64 bits, so that far points do not move near ones.
+    // The computation is in 64 bits, so that far points do not move near ones.
     let (frame, bounds) = (*transform.frame(), *transform.bounds());
     let [[left, bottom], [per_x, per_y]] = [bounds.min(), transform.dpos_dvalue()];
     let place = |point: &[f64; 2]| {

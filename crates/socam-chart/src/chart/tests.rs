@@ -1,4 +1,4 @@
-//! What people do with charts, and what they see.
+//! Operations of users on charts, and their visible results.
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2, vec2};
 use egui_kittest::Harness;

@@ -91,7 +91,7 @@ fn every_curve_is_in_the_file_within_its_range() {
         .filter_map(|node| node.attribute("d"))
         .collect();
     assert_eq!((frames.len(), lines.len()), (2, 3));
-    // Each curve's height as a share of half of its axis.
+    // Expected height of each curve, as a share of half of its axis.
     for (path, (frame, share)) in lines.iter().zip([(0, 0.75), (0, 0.35), (1, 0.9)]) {
         let frame = frames[frame].first_element_child().unwrap();
         let [left, right, top, bottom] = extent(path);

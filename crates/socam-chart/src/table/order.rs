@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-/// What a row is sorted by.
+/// Key by which rows are sorted.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Key {
     /// A number.

@@ -17,7 +17,7 @@ const SOFT: f32 = 1.0;
 pub(super) fn mesh(points: &[[f64; 2]], clip: Rect, pen: Pen) -> Option<Shape> {
     let (first, ranges) = ranges(points, clip, f64::from(pen.pixels_per_point))?;
     let (half, soft) = (0.5 * pen.width, 0.5 * SOFT / pen.pixels_per_point);
-    // A steep line is as wide as so many columns to either side of a border.
+    // Number of columns on either side of a border that a steep line covers by its width.
     let reach = ((0.5 * pen.width * pen.pixels_per_point).round() as usize).max(1);
     let ends = [clip.top() - 4.0, clip.bottom() + 4.0];
     let borders = ranges.len() + 2 * reach - 1;
@@ -66,7 +66,8 @@ fn ranges(points: &[[f64; 2]], clip: Rect, scale: f64) -> Option<(i64, Vec<Range
         let to = column(x1);
         extend(from, y0);
         for border in from + 1..=to {
-            // Where the line crosses from a column into the next one; a point beyond the picture is in the outermost column.
+            // Fraction of the segment at which it crosses from a column into the next one; a point beyond the picture is in the
+            // outermost column.
             let share = ((border as f64 / scale - x0) / (x1 - x0)).clamp(0.0, 1.0);
             let y = y0 + share * (y1 - y0);
             extend(border - 1, y);

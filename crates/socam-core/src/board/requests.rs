@@ -1,4 +1,4 @@
-//! What a board does on a request of the host.
+//! Responses of a board to requests of the host.
 
 use super::Board;
 use crate::config::Config;

@@ -1,4 +1,4 @@
-//! What every shape gives per sample.
+//! The target that every shape computes for each sample.
 
 /// The value of a shape at one sample, before fading and limits.
 #[derive(Debug, Clone, Copy)]

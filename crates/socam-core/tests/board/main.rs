@@ -178,13 +178,13 @@ fn nothing_asks_a_board_for_more_than_its_ceilings() {
     assert_eq!(board.status().fault, Some(Fault::RunTooLong { limit_us: 10_000_000 }));
 }
 
-/// A profile ends after so many ticks; where they come too slowly, the clock ends it.
+/// A profile ends after its number of ticks; where ticks come too slowly, the clock ends it.
 #[test]
 fn a_run_whose_ticks_are_slow_ends_by_the_clock() {
     let mut ring = Ring::<RING>::new();
     let (producer, _consumer) = ring.split();
     let mut board = Board::new(bench(), producer);
-    // Of 3 s, with 0.075 s to slew down and 1 s to be late.
+    // The time limit of the profile is 3 s, with 0.075 s to slew down and 1 s to be late.
     running(&mut board, Profile { limit_micro: 1_500_000, ..constant(1_500_000, Command::Voltage) });
     let slow_tick = |board: &mut Board<'_, Bench, RING>| {
         board.handle(Request::Heartbeat).unwrap();

@@ -1,4 +1,4 @@
-//! What each command does.
+//! Actions of the commands.
 
 use egui::Context;
 use socam_chart::theme::{self, Look};
@@ -51,7 +51,7 @@ impl Dashboard {
             Command::Redo if self.has_history() => self.views.get(self.layout.view).redo(&mut self.workspace),
             Command::Undo => self.workspace.signal.undo(),
             Command::Redo => self.workspace.signal.redo(),
-            // These change the live view, so it is shown.
+            // These commands change the live view, so it is shown.
             Command::Cut => {
                 ctx.copy_text(self.workspace.signal.text());
                 self.workspace.signal.change(Settings::default());

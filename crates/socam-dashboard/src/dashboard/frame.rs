@@ -9,7 +9,7 @@ use crate::platform::{HAS_BENCH, Views};
 use crate::progress;
 use socam_chart::theme;
 
-/// Width from which on menus, tabs, the state of the bench and the emergency stop fit in one row, points.
+/// Width above which menus, tabs, the state of the bench and the emergency stop fit in one row, points.
 const ONE_ROW: f32 = 1140.0;
 
 impl Dashboard {

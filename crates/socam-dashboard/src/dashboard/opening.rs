@@ -13,7 +13,7 @@ use super::{Dashboard, Notice};
 use crate::platform::{self, Found};
 use crate::progress::wake;
 
-/// What was opened, or why it was not, and the file that it was opened from.
+/// An opened document or an error, and the file from which it was opened.
 pub(crate) type Opened = Result<(Found, Option<String>), (String, Option<String>)>;
 
 /// Result of saving a recording: its path and, in a browser, its bytes.
@@ -39,7 +39,7 @@ impl Dashboard {
 
     /// Shows the documents that have been opened since the last pass.
     pub(super) fn take_opened(&mut self) {
-        // In the order in which files were named: the first one gets the first colour.
+        // Files are taken in the order in which they were named: the first one gets the first colour.
         while let Some(result) = self.opening.first().and_then(Job::poll) {
             self.opening.remove(0);
             match result.unwrap_or_else(|sentence| Err((sentence, None))) {

@@ -46,7 +46,7 @@ pub(super) fn needs_mapping(sentence: &str) -> bool {
     sentence.contains(NEEDS_MAPPING)
 }
 
-/// Where the mapping of a file is.
+/// Path of the mapping of a file.
 fn mapping_of(file: &Path) -> PathBuf {
     let mut name = file.as_os_str().to_owned();
     name.push(".map.toml");
@@ -73,7 +73,7 @@ pub(super) fn propose_mapping(run: &str) -> Result<String, String> {
 mod tests {
     use super::*;
 
-    /// Without units and times it is refused, with the mapping beside it it opens.
+    /// A file without units and times is refused; with the mapping beside it, it opens.
     #[test]
     fn a_file_that_does_not_state_its_units_is_read_with_the_mapping_beside_it() {
         let folder = tempfile::tempdir().unwrap();

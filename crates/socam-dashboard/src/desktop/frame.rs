@@ -1,4 +1,4 @@
-//! What the window does on a desktop: files are opened by their paths and written to the disk, and dialogs ask for them.
+//! The window on a desktop: files are opened by their paths and written to the disk, and dialogs ask for them.
 
 use std::path::Path;
 

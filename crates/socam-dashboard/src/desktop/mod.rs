@@ -1,4 +1,4 @@
-//! What a desktop has and a browser lacks: a bench, fits, fleets, files of other programs, dialogs.
+//! Parts for the desktop only: a bench, fits, fleets, files of other programs, dialogs.
 
 mod attempt;
 pub mod diagnose;

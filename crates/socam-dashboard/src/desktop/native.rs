@@ -22,12 +22,12 @@ pub(super) struct Native {
     job: Job<Vec<PathBuf>>,
 }
 
-/// How a dialog ended.
+/// Result of a dialog.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Ended {
     /// Files were chosen.
     Files(Vec<PathBuf>),
-    /// It was cancelled.
+    /// The dialog was cancelled.
     Cancelled,
     /// No desktop showed it.
     Unseen,
@@ -56,7 +56,7 @@ impl Native {
         Self { purpose, name: name.to_owned(), since: Instant::now(), job }
     }
 
-    /// How it ended, once.
+    /// Result of the dialog, returned once.
     pub(super) fn poll(&self) -> Option<Ended> {
         Some(ended(self.job.poll()?.unwrap_or_default(), self.since.elapsed()))
     }

@@ -12,7 +12,7 @@ use super::fleet::Opened;
 use super::foreign;
 use super::native::Native;
 
-/// What can be opened.
+/// Content of a file that can be opened.
 #[derive(Debug)]
 pub enum Found {
     /// A document.
@@ -49,7 +49,7 @@ pub(crate) struct Own {
     pub(super) watches: bool,
 }
 
-/// Writes a recording, by its name as `.csv` or `.m`.
+/// Writes a recording as `.csv` or `.m`, by the ending of the file's name.
 ///
 /// # Errors
 /// When there is such a file already, it cannot be written, or it was cancelled; one sentence.

@@ -1,11 +1,11 @@
 //! The residuals of a diagnosis that are drawn, and their horizontal axis.
 
-/// Which residuals are drawn.
+/// Residuals that are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sides {
-    /// Of the model as it was.
+    /// Residuals of the model without the findings.
     Before,
-    /// With the findings added.
+    /// Residuals of the model with the findings added.
     After,
     /// Both.
     #[default]

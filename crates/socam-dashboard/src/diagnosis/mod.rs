@@ -20,7 +20,7 @@ pub use choice::{Over, Sides};
 #[derive(Debug, Default)]
 pub struct DiagnosisPage {
     pub(crate) shown: Option<Shown>,
-    /// Which residuals are drawn.
+    /// Residuals that are drawn.
     pub sides: Sides,
     /// The horizontal axis of the residuals.
     pub over: Over,

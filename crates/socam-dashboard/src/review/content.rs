@@ -19,7 +19,7 @@ const MARKERS: [(MarkerShape, &str); 4] = [
     (MarkerShape::Circle, "circles"),
 ];
 
-/// What curves are made for.
+/// Range and size for which curves are made.
 #[derive(Clone, Copy)]
 pub(super) struct Frame {
     /// The time axis, s.

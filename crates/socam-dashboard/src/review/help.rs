@@ -1,4 +1,4 @@
-//! What each control of the view over time does.
+//! Help for each control of the view over time.
 
 use crate::view::Help;
 

@@ -49,11 +49,11 @@ pub struct Review {
     form: Option<Form>,
     /// Cursors A and B, s.
     pub cursors: Option<[f64; 2]>,
-    /// Which cursor the next click moves.
+    /// Index of the cursor that the next click moves.
     next: usize,
     /// The recording that others are compared with.
     pub reference: Option<usize>,
-    /// What the list is searched for.
+    /// Text for which the list is searched.
     search: String,
     /// Whether the search is to get the keyboard.
     searching: bool,
@@ -64,22 +64,22 @@ pub struct Review {
     /// States of XY plots and spectrograms, by their tiles.
     xy: BTreeMap<u64, xy::Xy>,
     spectrograms: BTreeMap<u64, spectrogram::Spectrogram>,
-    /// Where the pointer is on the time axis.
+    /// Position of the pointer on the time axis.
     linked: Linked,
     views: Views,
 }
 
-/// What is drawn in a pass.
+/// Data for drawing one pass.
 struct Drawing<'a> {
     entries: &'a [Entry],
     /// The channels of the shown recordings.
     signals: &'a [Signal],
-    /// Those of them that are drawn over time.
+    /// Those of `signals` that are drawn over time.
     drawn: Vec<Signal>,
     /// The time axis, s.
     x: [f64; 2],
     seen: &'a mut Vec<Seen>,
-    /// What is asked of the window.
+    /// Requests to the window.
     requests: Vec<Request>,
 }
 

@@ -12,7 +12,7 @@ use socam_chart::theme;
 use socam_workbench::Request;
 use socam_workbench::arrangement::Plot;
 
-/// What is done with a tile once all are drawn.
+/// Action on a tile after all tiles are drawn.
 enum Done {
     Close(TileId),
     Even,

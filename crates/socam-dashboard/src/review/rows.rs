@@ -43,7 +43,7 @@ pub(super) fn rows<const N: usize>(
 }
 
 impl<const N: usize> Row<N> {
-    /// What a column is sorted by.
+    /// Key by which a column is sorted.
     pub(super) fn key(&self, column: usize) -> Key {
         match column {
             0 => Key::Number(self.colour as f64),

@@ -23,7 +23,7 @@ const COLUMNS: usize = 400;
 const LONGEST: usize = 1024;
 const SHORTEST: usize = 64;
 
-/// What a picture depends on.
+/// Inputs on which a picture depends.
 #[derive(Debug, Clone)]
 struct Key {
     samples: Arc<Samples>,

@@ -10,7 +10,7 @@ use socam_workbench::purpose::Purpose;
 use socam_workbench::recording::short;
 use socam_workbench::{Content, Request};
 
-/// What the menus do.
+/// Action of a menu.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Action {
     Xy,

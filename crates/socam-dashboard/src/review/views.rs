@@ -6,7 +6,7 @@ use super::{Entry, Review, Signal};
 use socam_chart::history::ViewHistory;
 use socam_workbench::arrangement::Arrangement;
 
-/// What undo restores.
+/// State that undo restores.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct View {
     x: Option<[f64; 2]>,

@@ -24,7 +24,7 @@ const BLOCK: usize = 1 << 16;
 /// Greatest number of rows of a picture.
 const MOST_ROWS: usize = 20_000_000;
 
-/// What the dots depend on: the samples, channels, delays, rows, ranges of the axes, size.
+/// Inputs on which the dots depend: the samples, channels, delays, rows, ranges of the axes, size.
 #[derive(Clone, PartialEq)]
 struct Key {
     of: Vec<Of>,

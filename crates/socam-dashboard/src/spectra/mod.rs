@@ -37,7 +37,7 @@ pub enum Kind {
     Poles,
 }
 
-/// What a response depends on beside its recording.
+/// Inputs of a response besides its recording.
 #[derive(Clone, PartialEq)]
 struct Between {
     /// The model that reads the columns.

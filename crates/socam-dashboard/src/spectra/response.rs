@@ -104,7 +104,7 @@ mod tests {
         for output in model.outputs() {
             let columns = [model.inputs().next().unwrap().column.as_str(), output.column.as_str()];
             let window = measured(&opened, &model, columns, &Handle::default()).unwrap();
-            // What `identify --method frf` prints.
+            // The expected values are those that `identify --method frf` prints.
             let data = socam_import::open(&run).unwrap();
             let command = socam_response::estimate(
                 &model,

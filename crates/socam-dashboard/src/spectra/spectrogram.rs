@@ -55,7 +55,7 @@ pub fn spectrogram(
     Ok(Cells { x: [from_s, to_s], y: [0.5 * step_hz, (rows as f64 + 0.5) * step_hz], rows, values })
 }
 
-/// The range of the colours of a spectrogram: to its greatest density, from at most so many decibels below.
+/// Range of the colours of a spectrogram, up to its greatest density. The number of decibels below that is limited.
 #[must_use]
 pub fn colours(cells: &Cells) -> [f64; 2] {
     let finite = cells.values.iter().copied().filter(|value| value.is_finite());

@@ -1,4 +1,4 @@
-//! What the window does in a browser: a page gives it files, and offers those that it writes for download.
+//! The window in a browser: a page passes files to it, and offers the files that it writes for download.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What the window does in a browser: a page gives it files, and offers those that it writes for download.
+//! The window in a browser: a page passes files to it, and offers the files that it writes for download.
 
 mod frame;
 mod own;
@@ -7,7 +7,7 @@ mod views;
 pub(crate) use own::{Own, can_be_mapped, save};
 pub use views::Views;
 
-/// What can be opened.
+/// Content of a file that can be opened.
 pub type Found = socam_workbench::document::Document;
 
 /// Whether a bench can be reached from here.

@@ -1,4 +1,4 @@
-//! What people do with it, by the names that a screen reader would say.
+//! Operations of users, by the names that a screen reader would read out.
 
 use std::time::{Duration, Instant};
 
@@ -143,7 +143,7 @@ fn a_finding_is_lit_explained_and_becomes_an_input_signal() {
     let mut window = window(dashboard);
     window.get_by_label("load_bearing: bearing with damping; finding 1, Coulomb friction").click();
     window.run_steps(2);
-    // Its rival has a weight of 1 %, too little for a mark.
+    // The rival has a weight of 1 %, too little for a mark.
     window.get_by_label("coupling_3: spring with damper");
     window.get_by_label("1. Coulomb friction at load_bearing");
     for tab in ["over frequency", "over time", "measured shape", "fit", "after", "before"] {
@@ -277,7 +277,7 @@ fn panels_are_as_wide_as_they_were() {
     assert_eq!(window.state().layout.panels["recordings"], 333.0);
 }
 
-/// Whatever can be pressed, pulled or typed into, in all states.
+/// The test covers all controls that can be pressed, dragged or typed into, in all states.
 #[test]
 fn help_names_each_control() {
     let mut unnamed = std::collections::BTreeSet::new();

@@ -127,7 +127,7 @@ fn the_input_signal_is_cut_copied_and_pasted_by_menu_and_by_key() {
     assert_eq!(copied(&window), Some(constant.clone()));
     assert_eq!(window.state().workspace.signal.settings, before);
 
-    // From another view, where a menu leads to the signal.
+    // The test starts from another view, where a menu leads to the signal.
     click(&mut window, "Time");
     click(&mut window, "Edit");
     click(&mut window, "Paste input signal");

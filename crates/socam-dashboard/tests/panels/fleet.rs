@@ -45,7 +45,7 @@ fn machines_are_searched_sorted_and_filtered() {
     let mut window = opened(&fleet::written(folder.path(), fleet::rows()));
     assert_eq!(window.state().layout.view, View::Fleet);
     assert_eq!(window.state().problems().count(), 0);
-    // At first those that stand out, the clearest before the others.
+    // Machines that stand out are listed first, in the order of their p-values.
     assert_eq!(listed(&window)[0], fleet::machine(fleet::RUBS));
     click(&mut window, "Sort by machine");
     assert_eq!(listed(&window)[0], "Plant 2, hall B, line 14, cell 3, spindle drive left, rev. C");

@@ -1,4 +1,4 @@
-//! The live view, with a board whose part the test plays.
+//! The live view, with a board that the test simulates.
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};

@@ -17,7 +17,7 @@ const SMALL: Viewport = Viewport { size: [1280.0, 800.0], scale: 1.0 };
 const NARROW: Viewport = Viewport { size: [800.0, 600.0], scale: 1.25 };
 const LARGE: Viewport = Viewport { size: [2560.0, 1440.0], scale: 1.0 };
 
-/// How each state is drawn here; example `gallery` draws all of them in all looks.
+/// Look and size in which each state is drawn here; example `gallery` draws all states in all looks.
 const DRAWN: [(&str, Look, Viewport); 36] = [
     ("time", Look::Dark, SMALL),
     ("time-trouble", Look::Light, SMALL),

@@ -57,7 +57,7 @@ fn a_channel_is_dragged_into_a_plot_of_its_unit_and_to_the_edge_of_another() {
     drag(&mut window, list.center(), plot.center());
     window.get_by_label_contains("torque_in is in N m and this plot in rad/s");
     click(&mut window, "Dismiss");
-    // At the right edge it gets a plot beside it.
+    // A channel that is dropped at the right edge gets a plot beside the existing one.
     let [list, plot] = ["torque_in, N m", both].map(|label| place(&window, label));
     drag(&mut window, list.center(), plot.right_center() - vec2(30.0, 0.0));
     let [beside, plot] = ["Chart torque_in, N m", both].map(|label| place(&window, label));

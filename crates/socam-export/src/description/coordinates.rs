@@ -2,21 +2,21 @@
 
 use socam_model::{Model, Quantity, Site, effects::Form};
 
-/// How a coordinate moves, as the equations of `socam-model` classify it.
+/// Kind of a coordinate's motion, as the equations of `socam-model` classify it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// An input prescribes its speed.
     Prescribed,
-    /// It has inertia.
+    /// The coordinate has inertia.
     Massive,
-    /// It has no inertia, and a damper determines its speed.
+    /// The coordinate has no inertia, and a damper determines its speed.
     Damped,
-    /// It has neither: its angle follows from the springs beside it.
+    /// The coordinate has neither inertia nor a damper: its angle follows from the springs beside it.
     Static,
 }
 
 pub(crate) struct Coordinate {
-    /// The node whose motion it is.
+    /// Node whose motion the coordinate is.
     pub(crate) node: usize,
     pub(crate) kind: Kind,
 }

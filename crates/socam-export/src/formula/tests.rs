@@ -1,4 +1,4 @@
-//! Every law's formula against the law, and the notation against itself.
+//! Compares every law's formula with the law, and checks the notation of formulas.
 
 use socam_model::effects::{CATALOGUE, Effect, REFINED};
 

@@ -211,6 +211,6 @@ fn is_loaded(d: &Description<'_>, coordinate: usize) -> bool {
 fn round(step: f64) -> f64 {
     let power = 10f64.powf(step.log10().floor());
     let digit = [5.0, 2.0, 1.0].into_iter().find(|digit| digit * power <= step).unwrap_or(1.0);
-    // As the shortest decimal number, not as a product with its rounding.
+    // The value is the shortest decimal number, not a product with a rounding error.
     format!("{:e}", digit * power).parse::<f64>().map_or(step, |exact| (exact * 1e9).round() / 1e9)
 }

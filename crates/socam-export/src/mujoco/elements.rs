@@ -15,7 +15,7 @@ use crate::{
     xml::{Xml, attribute, numbers},
 };
 
-/// What bearings and laws of nodes put on each joint.
+/// Torques that bearings and laws of nodes put on each joint.
 pub(super) fn joints(d: &Description<'_>, left_out: &mut Vec<LeftOut>) -> Vec<Joint> {
     let mut joints = vec![Joint::default(); d.coordinates.len()];
     for bearing in &d.model.bearings {
@@ -132,7 +132,7 @@ pub(super) fn say_left_out(d: &Description<'_>, chain: &Chain, left_out: &mut Ve
     }
 }
 
-/// A fixed tendon for each spring, and one for each node whose motion differs from its joint's.
+/// Writes a fixed tendon for each spring, and one for each node whose motion differs from its joint's.
 pub(super) fn tendons(xml: &mut Xml, d: &Description<'_>, chain: &Chain) -> Result<(), ExportError> {
     xml.open("tendon", &[])?;
     for link in &chain.links {

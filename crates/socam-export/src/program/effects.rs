@@ -64,7 +64,7 @@ impl Builder<'_, '_> {
         Ok(())
     }
 
-    /// What the laws at a channel add to its reading.
+    /// Formulas that the laws at a channel add to its reading.
     fn beside(&self, channel: usize, bound: &Bound<'_>) -> Result<Vec<Formula>, ExportError> {
         let own =
             self.d.model.effects.iter().enumerate().filter(|(_, used)| used.at == Site::Channel(channel));
@@ -72,7 +72,7 @@ impl Builder<'_, '_> {
         Ok(laws.collect::<Result<Vec<_>, _>>()?.concat())
     }
 
-    /// What an input does: its gain times what is recorded, less what laws at its channel add to the reading.
+    /// True value of an input: its gain times the recorded value, minus what laws at its channel add to the reading.
     pub(crate) fn true_input(
         &mut self,
         input: usize,
@@ -114,7 +114,7 @@ impl Builder<'_, '_> {
         let truth = self.d.names.unique(&format!("true_{}", channel.name));
         self.assign(&truth, gain.map_or(measured.clone(), |gain| times(gain, measured)));
         let mut bound = vec![("reading", name(&truth))];
-        // A channel that has no shaft, such as the servo's torque, sees no angle.
+        // A channel without a shaft, such as the servo's torque, has no angle.
         let shaft = self.d.shaft_of(channel).map(|node| name(&self.d.points[node].angle));
         bound.push(("angle", shaft.unwrap_or(Formula::Number(0.0))));
         let (filtered, delay) = self.filtered(index, &truth);

@@ -1,4 +1,4 @@
-//! What laws see, and where they act.
+//! Inputs of laws, and the places where laws act.
 
 use socam_model::{Quantity, Site, effects::Acts};
 
@@ -31,7 +31,7 @@ impl Builder<'_, '_> {
         (between(&from.angle, to.map(|to| &to.angle)), between(&from.speed, to.map(|to| &to.speed)))
     }
 
-    /// What the laws of an effect at a spring or gear see.
+    /// Inputs of the laws of an effect at a spring or gear.
     pub(crate) fn seen_at_spring(&self, used: usize, spring: usize) -> Seen {
         let (twist, rate) = self.twist(spring);
         let mut bound = vec![("twist", twist), ("twist_rate", rate)];

@@ -1,8 +1,8 @@
-//! Which link hangs on which.
+//! Tree of links: the parent of each link.
 
 use crate::{LeftOut, description::Description, multibody::Load};
 
-/// What holds a link.
+/// Part by which a link is held.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Holder {
     World,
@@ -33,7 +33,7 @@ impl Tree {
         };
         let mut root: Vec<Option<usize>> = vec![None; count];
         let mut used = vec![false; d.model.springs.len()];
-        // Nodes at gears first, so that gears join roots; then those whose bearings drag most.
+        // Nodes at gears come first, so that gears join roots; then the nodes whose bearings drag most.
         let geared = |node: &usize| d.model.gears.iter().any(|gear| gear.from == *node || gear.to == *node);
         let drags = |node: &usize| loads[*node].damping > 0.0 || loads[*node].dry > 0.0;
         let mut order: Vec<usize> = (0..count).collect();
@@ -99,7 +99,7 @@ impl Tree {
                 for (from, to) in [(a, b), (b, a)] {
                     if from == node && root[to].is_none() {
                         (root[to], self.holder[to]) = (Some(start), Holder::Shaft(node));
-                        // What is rigid comes before what springs hold.
+                        // Rigidly joined nodes come before nodes that springs hold.
                         open.push_front(to);
                     }
                 }

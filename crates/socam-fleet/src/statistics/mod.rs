@@ -1,10 +1,11 @@
-//! What rows say together: many tests at a stated false discovery rate, trends over dates, and machines that differ from their sisters.
+//! Statistics over rows: many tests at a stated false discovery rate, trends over dates, and machines that differ from their
+//! sisters.
 
 pub mod discovery;
 pub mod sisters;
 pub mod trend;
 
-/// Median of numbers; NaN of none.
+/// Median of numbers; NaN if `values` is empty.
 pub(crate) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return f64::NAN;

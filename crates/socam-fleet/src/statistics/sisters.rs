@@ -31,7 +31,7 @@ pub struct Value {
 }
 
 impl Value {
-    /// Weighted mean of values with standard errors, which are multiplied by the root of `dispersion`; `None` of none.
+    /// Weighted mean of values with standard errors, which are scaled by sqrt(`dispersion`). `None` if no value is usable.
     #[must_use]
     pub fn of(values: &[(f64, f64)], dispersion: f64) -> Option<Self> {
         let usable = values.iter().filter(|(value, std)| value.is_finite() && std.is_finite() && *std > 0.0);
@@ -43,7 +43,7 @@ impl Value {
     }
 }
 
-/// How a machine differs from its sisters.
+/// Difference between a machine and its sisters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Difference {
     /// Median of the sisters.

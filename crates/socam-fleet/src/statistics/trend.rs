@@ -25,7 +25,7 @@ pub struct Point {
     pub day: f64,
     /// Value, SI.
     pub value: f64,
-    /// Its standard error, SI.
+    /// Standard error of the slope, SI.
     pub std: f64,
 }
 
@@ -38,7 +38,7 @@ pub struct Slope {
     pub low: f64,
     /// Upper end.
     pub high: f64,
-    /// p-value, two-sided: chance of such a slope where there is none.
+    /// Two-sided p-value: probability of a slope at least as large if there is no trend.
     pub p_value: f64,
     /// Value of the line in the middle of the dates.
     pub level: f64,
@@ -50,7 +50,7 @@ pub struct Slope {
     pub freedom: f64,
 }
 
-/// How well changes from the first date to the last are known in the usual machine.
+/// Standard error of the change from the first to the last date, for a typical machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensitivity {
     /// Standard error of the change, as a share of the level: median over machines.
@@ -59,7 +59,7 @@ pub struct Sensitivity {
 }
 
 impl Sensitivity {
-    /// Of the slopes of all machines; `None` without one whose level is not zero.
+    /// Sensitivity from the slopes of all machines; `None` if no slope has a level other than zero.
     #[must_use]
     pub fn of(slopes: &[Slope]) -> Option<Self> {
         let each = slopes.iter().map(|slope| (slope.std * slope.span_days / slope.level).abs());

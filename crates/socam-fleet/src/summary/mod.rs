@@ -1,4 +1,4 @@
-//! What the rows of a fleet say together, `socam.fleet-summary/1`.
+//! Summary of the rows of a fleet, schema `socam.fleet-summary/1`.
 //!
 //! Three lists are made, each at the stated false discovery rate: machines that lack physics (by the p-values of the screening), trends
 //! of parameters, and machines that differ from their sisters.
@@ -18,7 +18,7 @@ use crate::row::Row;
 /// Version of [`Summary`]'s JSON form.
 pub const SUMMARY_SCHEMA: &str = "socam.fleet-summary/1";
 
-/// What a fleet's rows say together.
+/// Summary of the rows of a fleet.
 #[derive(Debug, Clone, Serialize)]
 pub struct Summary {
     /// [`SUMMARY_SCHEMA`].
@@ -31,9 +31,9 @@ pub struct Summary {
     pub machines: usize,
     /// Machines that stand out in the screening by something that matters, the smallest p-value first.
     pub faulty: Vec<Faulty>,
-    /// Their findings by effect and place, those on the most machines first.
+    /// Findings of these machines by effect and place, those on the most machines first.
     pub groups: Vec<Group>,
-    /// Recordings with a finding on machines that are no discovery: chance makes so many.
+    /// Number of findings on machines that are not listed; these may be due to chance.
     pub by_chance: usize,
     /// Parameters that change over the dates, the smallest p-value first.
     pub trends: Vec<Trend>,
@@ -43,9 +43,9 @@ pub struct Summary {
     pub differences: Vec<Different>,
     /// Number of differences that were tested.
     pub differences_tested: usize,
-    /// How the parameters are spread over the fleet.
+    /// Spread of each parameter over the fleet.
     pub parameters: Vec<Spread>,
-    /// Parameters that no recording determines: nothing is said of their wear.
+    /// Parameters that no recording determines: no change of them can be detected.
     pub undetermined: Vec<String>,
     /// Recordings without a verdict, the first thousand.
     pub troubles: Vec<Trouble>,
@@ -56,13 +56,13 @@ pub struct Summary {
 pub struct Faulty {
     /// Machine.
     pub machine: String,
-    /// Its recordings.
+    /// Number of recordings of the machine.
     pub recordings: u64,
     /// p-value over its recordings.
     pub p_value: f64,
     /// The smallest false discovery rate at which it is listed.
     pub q_value: f64,
-    /// What is missing, as `EFFECT@PLACE`; empty where it stands out and nothing was found that is material.
+    /// Missing effects, as `EFFECT@PLACE`; empty if the machine stands out but no material effect was found.
     pub findings: Vec<String>,
 }
 
@@ -81,7 +81,7 @@ pub struct Group {
     pub machines: usize,
     /// Median of the sizes.
     pub median: Option<f64>,
-    /// Its findings, by machine and date.
+    /// Findings of the group, by machine and date.
     pub members: Vec<Member>,
 }
 
@@ -92,7 +92,7 @@ pub struct Trend {
     pub machine: String,
     /// Parameter.
     pub parameter: String,
-    /// Its unit.
+    /// Unit of the parameter.
     pub unit: String,
     /// Recordings with a date and an estimate.
     pub recordings: usize,
@@ -117,7 +117,7 @@ pub struct Different {
     pub machine: String,
     /// Parameter.
     pub parameter: String,
-    /// Its unit.
+    /// Unit of the parameter.
     pub unit: String,
     /// Mean of its recordings.
     pub value: f64,
@@ -135,20 +135,21 @@ pub struct Different {
     pub q_value: f64,
 }
 
-/// How a parameter is spread over the fleet.
+/// Spread of a parameter over the fleet.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Spread {
     /// Parameter.
     pub parameter: String,
-    /// Its unit.
+    /// Unit of the parameter.
     pub unit: String,
     /// Machines with an estimate.
     pub machines: usize,
     /// Median over machines.
     pub median: f64,
-    /// Standard deviation between machines, measurement excluded; `None` of few machines.
+    /// Standard deviation between machines without measurement errors; `None` if there are few machines.
     pub between_std: Option<f64>,
-    /// By how much the scatter of a machine about its own line exceeds what the intervals say, a ratio of standard deviations; at least 1.
+    /// Scatter of a machine about its own trend line, divided by the scatter that the intervals predict (a ratio of standard
+    /// deviations); at least 1.
     pub repeatability: f64,
     /// The change from the first date to the last that would be listed with a probability of 80 %, as a share of the value: median over
     /// machines. `None` without dates.
@@ -156,7 +157,7 @@ pub struct Spread {
 }
 
 impl Summary {
-    /// Of all rows, at a false discovery rate.
+    /// Summary of all rows at a false discovery rate.
     ///
     /// # Errors
     /// When a row cannot be read.

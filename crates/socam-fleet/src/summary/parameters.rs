@@ -11,14 +11,14 @@ use crate::statistics::{
 /// Days of a year.
 const YEAR_DAYS: f64 = 365.25;
 
-/// What is said of parameters, before any choice among it.
+/// Results of all tests of parameters, before a selection by false discovery rate.
 pub(super) struct Parameters {
     pub(super) trends: Vec<Trend>,
     pub(super) differences: Vec<Different>,
     pub(super) spreads: Vec<Spread>,
-    /// Those that no recording determines.
+    /// Parameters that no recording determines.
     pub(super) undetermined: Vec<String>,
-    /// By parameter, beside the spreads.
+    /// Sensitivities by parameter, in the order of `spreads`.
     pub(super) sensitivities: Vec<Option<Sensitivity>>,
 }
 

@@ -13,7 +13,7 @@ use crate::statistics::{
     trend::Sensitivity,
 };
 
-/// What the rows of a fleet say together, before a false discovery rate is chosen.
+/// Results of all tests over the rows of a fleet, before a false discovery rate is chosen.
 #[derive(Debug, Clone)]
 pub struct Survey {
     /// Counts of recordings.
@@ -22,7 +22,7 @@ pub struct Survey {
     pub machines: Vec<Machine>,
     parameters: Vec<Spread>,
     undetermined: Vec<String>,
-    /// By parameter, beside the spreads.
+    /// Sensitivities by parameter, in the order of `parameters`.
     sensitivities: Vec<Option<Sensitivity>>,
     found: BTreeMap<(String, String), Found>,
     trends: Vec<Trend>,
@@ -35,20 +35,20 @@ pub struct Survey {
 /// A machine of the fleet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
-    /// Its name.
+    /// Name of the machine.
     pub name: String,
-    /// Its recordings.
+    /// Counts of the machine's recordings.
     pub counts: Counts,
     /// p-value over its recordings, and the smallest false discovery rate at which it is listed; `None` where none was screened.
     pub p_and_q: Option<(f64, f64)>,
-    /// Whether anything that stands out in it matters; it is not listed otherwise.
+    /// Whether an effect or residual that stands out in the machine is material; a machine without one is not listed.
     pub is_material: bool,
-    /// What was found in any of its recordings, as `EFFECT@PLACE`.
+    /// Effects found in any of the machine's recordings, as `EFFECT@PLACE`.
     pub findings: Vec<String>,
 }
 
 impl Survey {
-    /// Of all rows. Of trends and differences those are kept that are listed at `most_fdr`.
+    /// Survey of all rows. Trends and differences are kept if they are listed at the rate `most_fdr`.
     ///
     /// # Errors
     /// When a row cannot be read.
@@ -71,7 +71,7 @@ impl Survey {
         })
     }
 
-    /// What stands out at a false discovery rate, which is not above that of [`Self::of`].
+    /// Summary at the false discovery rate `fdr`, which must not exceed that of [`Self::of`].
     #[must_use]
     pub fn at(&self, fdr: f64) -> Summary {
         let faulty = self.faulty(fdr);
@@ -99,10 +99,10 @@ impl Survey {
         }
     }
 
-    /// How the parameters are spread, and which change is large enough to be listed.
+    /// Spread of each parameter, with the smallest change that would be listed at `fdr`.
     #[must_use]
     pub fn parameters(&self, fdr: f64) -> Vec<Spread> {
-        // What a machine that is alone in the list has to pass.
+        // Threshold of the p-value if only one machine is in the list.
         let p_value = fdr / self.trends_tested.max(1) as f64;
         let each = self.parameters.iter().zip(&self.sensitivities);
         each.map(|(spread, known)| Spread {

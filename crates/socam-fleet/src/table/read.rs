@@ -19,15 +19,15 @@ use crate::row::{Row, SCHEMA};
 
 /// First bytes of a Parquet file.
 const MAGIC: [u8; 4] = *b"PAR1";
-/// What all versions of the schema begin with.
+/// Prefix common to all versions of the schema.
 const SCHEMAS: &str = "socam.fleet/";
 
 /// A table that is read row by row.
 pub struct Table {
     pub(super) path: PathBuf,
-    /// What its rows were made with.
+    /// Model, options and program version with which the rows were computed.
     pub about: About,
-    /// The same as it stands in the file: numbers in text need not come back to the last bit.
+    /// Text of `about` as written in the file: numbers parsed from text may differ from it in the last bit.
     pub(super) text: String,
     count: u64,
     /// `None` behind the end, or behind what cannot be read.
@@ -118,7 +118,7 @@ fn value(keys: Option<&Vec<KeyValue>>, name: &str) -> Option<String> {
     keys?.iter().find(|key| key.key == name)?.value.clone()
 }
 
-/// Which rows of a batch of names are those of a machine.
+/// Mask of the rows of a batch of names that belong to a machine.
 fn is_of(batch: &RecordBatch, machine: &str) -> std::result::Result<BooleanArray, ArrowError> {
     let column = |name: &str| {
         let texts =
@@ -193,7 +193,7 @@ mod tests {
         assert!(!Table::is_one(&folder.path().join("text")) && !Table::is_one(folder.path()));
     }
 
-    /// Whatever byte is wrong, reading ends with one sentence or with rows, and not with a panic.
+    /// Whichever byte is damaged, reading ends with one sentence or with rows, never with a panic.
     #[test]
     fn a_damaged_table_gives_one_sentence() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What C passes, as Rust: instances, arrays, texts, and a fence around panics.
+//! Conversion of values that C passes to Rust: instances, arrays, texts; and a barrier that stops panics.
 
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,13 +20,13 @@ pub(super) type LogMessage = Option<
     ),
 >;
 
-/// What `fmi3Instance` points to.
+/// Object to which `fmi3Instance` points.
 pub(super) struct Instance {
     pub(super) simulation: Simulation,
     pub(super) log: Log,
 }
 
-/// Where messages go.
+/// Destination of messages.
 pub(super) struct Log {
     pub(super) environment: *mut c_void,
     pub(super) message: LogMessage,

@@ -1,4 +1,4 @@
-//! What an importer needs that integrates the model itself.
+//! Functions for an importer that integrates the model itself (model exchange).
 
 use super::{Simulation, Source};
 use crate::{FmuError, rates, variables};

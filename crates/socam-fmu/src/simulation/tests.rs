@@ -29,7 +29,7 @@ fn stepped(model: &Model) -> Vec<f64> {
     simulation.outputs().unwrap()
 }
 
-/// The same by one prediction, with time and the turned angle as columns.
+/// Outputs of one prediction over all samples, with time and the turned angle as columns.
 fn predicted(model: &Model) -> Vec<f64> {
     let held = [&INPUT[..], &INPUT[59..]].concat();
     let mut kinds = vec![Intersample::Hold];
@@ -74,7 +74,7 @@ fn time_and_turned_angle_are_kept_by_the_simulation() {
     let mut simulation = Simulation::new(drifting.clone()).unwrap();
     assert!(simulation.variables().iter().all(|v| !matches!(v.kind, Kind::Input(index) if index > 0)));
     assert_close(&stepped(&drifting)[..1], &predicted(&drifting)[..1], 1e-6);
-    // Without the clocks another number would come out.
+    // Without the clocks the result would differ.
     assert!((stepped(&drifting)[0] - stepped(&model)[0]).abs() > 1e-5);
     // Time counts from the start, wherever that is.
     simulation.start_at(40.0).unwrap();

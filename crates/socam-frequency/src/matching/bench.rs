@@ -22,9 +22,9 @@ pub struct Bench {
 /// Coefficients of the model's P and Q, ascending, not normalised.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficients {
-    /// Of the numerator, s^0 to s^3.
+    /// Coefficients of the numerator, s^0 to s^3.
     pub numerator: [f64; 4],
-    /// Of the denominator, s^0 to s^6.
+    /// Coefficients of the denominator, s^0 to s^6.
     pub denominator: [f64; 7],
 }
 
@@ -76,7 +76,7 @@ impl Bench {
         TransferFunction { numerator: numerator.to_vec(), denominator: denominator.to_vec() }
     }
 
-    /// Its response at s, with derivatives with respect to the logarithm of each parameter.
+    /// Response at s, with derivatives with respect to the logarithm of each parameter.
     pub(crate) fn response(
         &self,
         at: &[f64; UNKNOWNS],

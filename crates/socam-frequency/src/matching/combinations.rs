@@ -5,13 +5,13 @@ use super::unknowns::UNKNOWNS;
 /// A combination of parameters that is invariant under a swap of the two couplings in series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Combination {
-    /// Its name.
+    /// Name of the combination.
     pub name: &'static str,
     /// Formula.
     pub expression: &'static str,
-    /// Its SI unit.
+    /// SI unit.
     pub unit: &'static str,
-    /// Its value.
+    /// Value in that unit.
     pub value: f64,
 }
 

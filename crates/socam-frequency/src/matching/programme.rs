@@ -38,7 +38,7 @@ pub struct Matched {
     pub at: [f64; UNKNOWNS],
     /// Half the weighted sum of squares (eq. 4.9).
     pub cost: f64,
-    /// Its gradient (thesis after Table 4.5).
+    /// Gradient of the cost (thesis after Table 4.5).
     pub gradient: [f64; UNKNOWNS],
     /// Gradient with respect to the logarithm of each unknown over twice the cost, which has no units. Zero if an unknown tends to
     /// zero.

@@ -45,7 +45,7 @@ impl Denominator {
         }
     }
 
-    /// Its value, with derivatives with respect to each unknown.
+    /// Value at s, with derivatives with respect to each unknown.
     pub(super) fn value(&self, s: C) -> (C, Vec<C>) {
         match self {
             Self::Coefficients(values) => {
@@ -70,7 +70,7 @@ impl Denominator {
         polynomial::roots(&self.coefficients()).iter().all(|pole| pole.re < 0.0)
     }
 
-    /// With every pole mirrored into the left half plane, as sections.
+    /// The denominator with every pole mirrored into the left half plane, as sections.
     pub(super) fn mirrored(&self) -> Self {
         let poles = polynomial::roots(&self.coefficients());
         let left = |pole: &C| C::new(-pole.re.abs().max(1e-6 * pole.norm()).max(1e-12), pole.im);

@@ -28,7 +28,7 @@ impl ModeEstimate {
 /// A fitted transfer function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
-    /// Its orders.
+    /// Orders of numerator and denominator.
     pub orders: Orders,
     /// A is monic.
     pub transfer: TransferFunction,

@@ -57,7 +57,7 @@ fn deviations_are_as_large_as_said_and_the_orders_are_advised() {
             .powi(2);
         squares[1] += ((mode.mode.damping_ratio - 0.05) / mode.damping_std).powi(2);
         squares[2] += ((fit.transfer.final_value() - 1.25) / fit.final_value_std).powi(2);
-        // On the flank of the resonance.
+        // The frequency is on the flank of the resonance.
         let ratio = fit.transfer.response(35.0) / resonance.response(35.0);
         let [magnitude, phase] = fit.response_std(35.0);
         squares[3] += (ratio.norm().ln() / magnitude).powi(2);

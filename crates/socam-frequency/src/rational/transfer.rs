@@ -42,8 +42,8 @@ impl TransferFunction {
         self.at(Complex::new(0.0, std::f64::consts::TAU * frequency_hz))
     }
 
-    /// Its response as a measurement: `count` lines at equal ratios from the lowest to the highest frequency, with a relative standard
-    /// deviation.
+    /// Simulated measurement of the response: `count` lines at equal ratios from the lowest to the highest frequency, with a
+    /// relative standard deviation.
     #[must_use]
     pub fn measured(&self, [low_hz, high_hz]: [f64; 2], count: u32, relative_std: f64) -> Vec<Point> {
         let line = |i: u32| {

@@ -1,8 +1,10 @@
-//! How a model predicts recordings that its parameters were not fitted to, without a refit.
+//! Cross-validation over recordings without refits: predictive loss of a model for recordings to which its parameters were not
+//! fitted.
 //!
-//! At a fit, each recording's triangular factor over [free parameters | residual] says what any small change of the parameters does to its
-//! sum of squares. The fit without one recording is therefore one linear step away, and how well it predicts that one is known too
-//! (the leave-one-group-out form of R. D. Cook's deletion, Technometrics 19, 1977). Start states are fitted to each recording.
+//! At a fit, the triangular factor of each recording over [free parameters | residual] gives the change of its sum of squares for
+//! any small change of the parameters. The fit without one recording is therefore one linear step away, and so is its prediction
+//! error for that recording (the leave-one-group-out form of R. D. Cook's deletion, Technometrics 19, 1977). Start states are
+//! fitted to each recording.
 //!
 //! # Breaks when
 //! A recording moves the parameters so far that the model is not linear in between.
@@ -21,15 +23,16 @@ use crate::{
 
 /// Singular values below this fraction of the largest are truncated.
 const LEAST_SINGULAR: f64 = 1e-6;
-/// What the other recordings say of a direction counts as no less than this share of what all do.
+/// Least information that the other recordings are assumed to have on a direction, as a fraction of the information of all
+/// recordings.
 const LEAST_LEFT: f64 = 0.02;
 
 /// Predictive losses of a model at a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossValidation {
-    /// By recording: sum of squared whitened residuals at parameters that are fitted to the other recordings.
+    /// Sum of squared whitened residuals of each recording, at parameters that are fitted to the other recordings.
     pub held_out: Vec<f64>,
-    /// By recording: the same at the fit, summed over blocks of 0.2 s.
+    /// Sums of squared whitened residuals of each recording at the fit, over blocks of 0.2 s.
     pub blocks: Vec<Vec<f64>>,
 }
 
@@ -41,7 +44,8 @@ impl CrossValidation {
     }
 }
 
-/// Each recording of `problem` left out in turn, at a fit (`at`, made with `model`); `None` where sensitivities overflow.
+/// Predictive losses at a fit with each recording of `problem` left out in turn. `at` is the evaluation of `model` at its fit.
+/// `None` if sensitivities overflow.
 ///
 /// ```
 /// use socam_identify::comparison::{NoiseModel, cross_validation::leave_one_out, measure};
@@ -100,7 +104,7 @@ fn covariance_root(factor: &Mat<f64>, free: usize) -> Option<Mat<f64>> {
     Some(Mat::from_fn(free, kept.len(), |j, k| svd.right[(j, kept[k])] / sizes[kept[k]] / lengths[j]))
 }
 
-/// By how much the sum of squares of one recording rises when the parameters are fitted without it.
+/// Increase of the sum of squares of one recording when the parameters are fitted without it.
 fn change_of_loss<'r>(
     root: &Mat<f64>,
     free: usize,
@@ -114,7 +118,7 @@ fn change_of_loss<'r>(
         gradient += product(sensitivities.transpose(), schur_complement.subcols(free, 1));
         curvature += gram(&sensitivities);
     }
-    // At a fit the scores of all recordings sum to zero, so that those of the others are minus this one's.
+    // At a fit the scores of all recordings sum to zero, so that the sum over the other recordings is minus the score of this one.
     let eigen = SymmetricEigen::new(&curvature)?;
     let along = product(eigen.vectors.transpose(), &gradient);
     let change = (0..width).map(|k| {

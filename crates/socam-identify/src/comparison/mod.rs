@@ -33,7 +33,7 @@ use crate::{
 /// below which it ends.
 pub const COARSE: f64 = 2.0;
 
-/// The same where parameter values matter.
+/// Tolerance of a descent where parameter values matter, in the same unit as [`COARSE`].
 pub const FINE: f64 = 0.05;
 
 /// Fits a model under a noise model, from `start` (all parameters, SI) and the nuisance parameters of `from` as far as the models share

@@ -41,8 +41,8 @@ pub struct NoiseModel {
 }
 
 impl NoiseModel {
-    /// From a reference model at parameter `values` (SI) and noise `levels` of its channels, for all recordings of `problems`. Inputs are
-    /// taken as exact where no stable filter exists.
+    /// Noise model from a reference model at parameter `values` (SI) and noise `levels` of its channels, for all recordings of
+    /// `problems`. Inputs are taken as exact if no stable filter exists.
     ///
     /// # Errors
     /// When the equations cannot be formed, or there is no problem.
@@ -79,8 +79,8 @@ impl NoiseModel {
         })
     }
 
-    /// The same sensor noise with a model discrepancy, one level per output, estimated from the residuals of an evaluation (`at`, of
-    /// `problem`'s model). `None` where the prediction overflows.
+    /// This noise model with a model discrepancy, one level per output, estimated from the residuals of the evaluation `at` of
+    /// `problem`'s model. `None` if the prediction overflows.
     ///
     /// # Errors
     /// When a recording cannot be read.
@@ -98,7 +98,7 @@ impl NoiseModel {
         Ok(Some(Self { discrepancy: Arc::new(Discrepancy::estimate(&segments)), excess, ..sensor }))
     }
 
-    /// The same levels without the filter for input noise.
+    /// This noise model without the filter for input noise.
     #[must_use]
     pub fn with_exact_inputs(&self) -> Self {
         Self { prewhitenings: Arc::default(), ..self.clone() }
@@ -128,7 +128,7 @@ impl NoiseModel {
 pub struct Innovations {
     /// Sample time, s.
     pub sample_time_s: f64,
-    /// By output, in units of noise; zero where missing.
+    /// Innovations by output, in units of noise; zero where missing.
     pub outputs: Vec<Vec<f64>>,
 }
 

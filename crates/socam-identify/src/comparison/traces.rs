@@ -21,11 +21,11 @@ pub struct Traces {
     pub recording: usize,
     /// Time of the recording, s.
     pub time_s: Vec<f64>,
-    /// By input, as the model reads it, SI.
+    /// Inputs as the model reads them, SI.
     pub inputs: Vec<Vec<f64>>,
-    /// By output, as measured, SI; NaN where missing.
+    /// Measured outputs, SI; NaN where missing.
     pub measured: Vec<Vec<f64>>,
-    /// By output, simulated from the inputs, SI.
+    /// Outputs simulated from the inputs, SI.
     pub predicted: Vec<Vec<f64>>,
 }
 

@@ -9,7 +9,7 @@ use crate::{
     report::{self, Identification, ParameterEstimate, Source},
 };
 
-/// What a regression found.
+/// Result of a regression.
 pub(super) struct Regression {
     /// All parameters, SI: the estimates of the free ones.
     pub(super) point: Vec<f64>,

@@ -33,7 +33,7 @@ pub(crate) struct FilterState {
     next: Vec<f64>,
     /// Last innovations, output by output, lane by lane.
     pub(crate) innovation: Vec<f64>,
-    /// Those divided by the root of their covariance.
+    /// Innovations divided by the root of their covariance.
     pub(crate) white: Vec<f64>,
 }
 

@@ -19,7 +19,7 @@ pub(crate) const LONGEST: f64 = 1.5;
 
 /// The innovations filter at some noise levels, and those at each level a little larger and a little smaller.
 pub(crate) struct PerturbedFilters {
-    /// At the levels, then for each level that is estimated at a larger and a smaller value.
+    /// Filters at the noise levels, then, for each level that is estimated, filters at a larger and at a smaller value.
     filters: FilterBatch,
     inverse_root: DMatrix<f64>,
     /// Derivative of the innovation's covariance with respect to each log variance, in units of its root.

@@ -22,7 +22,7 @@ use crate::{
 /// Predicted gain of log-likelihood below which the iteration ends.
 const LEAST_GAIN: f64 = 0.05;
 
-/// The first steps use so many rows of each of the first segments, at most so many segments and steps.
+/// Number of rows of each of the first segments that the first steps use.
 const FIRST_ROWS: u64 = 2000;
 
 const FIRST_SEGMENTS: usize = 6;
@@ -49,13 +49,13 @@ pub(crate) fn maximum_likelihood(
     fisher_scoring(&whole, point, levels, most, MOST_STEPS)
 }
 
-/// The same problem without free parameters: its evaluations give residuals and the sensitivities of nuisance parameters only.
+/// The problem with all parameters fixed: its evaluations give residuals and the sensitivities of nuisance parameters only.
 pub(crate) fn without_parameters<'a>(problem: &Problem<'a>) -> Problem<'a> {
     let all: Vec<usize> = (0..problem.segments.len()).collect();
     without_sensitivities(problem, &all, u64::MAX)
 }
 
-/// Part of a problem without free parameters: the segments `kept`, of each at most `rows` rows.
+/// The problem with all parameters fixed, restricted to the segments `kept` and to the first `rows` rows of each.
 fn without_sensitivities<'a>(problem: &Problem<'a>, kept: &[usize], rows: u64) -> Problem<'a> {
     let shortened = |index: &usize| {
         let segment = &problem.segments[*index];
@@ -70,7 +70,7 @@ fn without_sensitivities<'a>(problem: &Problem<'a>, kept: &[usize], rows: u64) -
     )
 }
 
-/// At most `steps` steps of Fisher scoring.
+/// Estimates the noise levels by at most `steps` steps of Fisher scoring.
 fn fisher_scoring(
     problem: &Problem<'_>,
     point: &Point,

@@ -8,9 +8,9 @@ use crate::noise::{innovations_filter::InnovationsFilter, matrix_equations::gram
 const REDUCTION_ERROR: f64 = 0.01;
 
 impl InnovationsFilter {
-    /// The same filter with fewer states, by balanced truncation (Moore 1981; of a filter on its own input, Enns 1984). The bound on the
-    /// change of the whitened innovations is [`REDUCTION_ERROR`]. `None` where a Gramian does not exist or the reduced filter is
-    /// unstable.
+    /// Approximates the filter by one with fewer states, by balanced truncation (Moore 1981; of a filter on its own input, Enns
+    /// 1984). The bound on the change of the whitened innovations is [`REDUCTION_ERROR`]. `None` if a Gramian does not exist or the
+    /// reduced filter is unstable.
     pub(crate) fn reduced(&self) -> Option<Self> {
         let (n, p) = (self.states, self.outputs);
         let matrix =

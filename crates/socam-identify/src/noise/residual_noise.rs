@@ -18,8 +18,8 @@ pub(super) struct ResidualNoise {
 }
 
 impl ResidualNoise {
-    /// The model for inputs whose columns have white noise of standard deviation `input_std` (SI); residuals are divided by `units`.
-    /// `None` where an entry overflows.
+    /// Creates the noise model for inputs whose columns have white noise of standard deviation `input_std` (SI). Residuals are
+    /// divided by `units`. `None` if an entry overflows.
     pub(super) fn new(
         equations: &Equations,
         input_std: &[f64],
@@ -75,8 +75,8 @@ impl ResidualNoise {
     }
 }
 
-/// States that outputs show, directly or through other states. A state that only a law moves, such as the deflection of friction's
-/// bristles, would have an undamped pole at one.
+/// States that influence the outputs, directly or through other states. A state that acts only on a law, such as the deflection of
+/// friction's bristles, is left out because it would have an undamped pole at one.
 fn observed(equations: &Equations) -> Vec<usize> {
     let states = equations.state.ncols();
     let mut seen: Vec<usize> =

@@ -44,7 +44,7 @@ const LARGEST_RELIEF: f64 = 0.03;
 /// Factor on the step of the nuisance parameters after each refused step.
 pub(crate) const SHORTER: f64 = 0.25;
 
-/// How a fit ended.
+/// Reason for which a fit ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
@@ -87,7 +87,7 @@ impl Descent {
         self.misfit().max(1.0)
     }
 
-    /// What a step starts from.
+    /// Point, weights and evaluations from which the next step starts.
     pub(crate) fn linearisation(&self) -> (&Point, &Weights, &[SegmentEvaluation]) {
         (&self.point, &self.weights, &self.evaluated)
     }
@@ -106,7 +106,7 @@ struct Damping {
 }
 
 impl Damping {
-    /// After a step whose decrease of the cost was `ratio` times the predicted one.
+    /// Reduces the damping after an accepted step whose decrease of the cost was `ratio` times the predicted one.
     fn relieve(&mut self, ratio: f64) {
         let factor = (1.0 - (2.0 * ratio - 1.0).powi(3)).max(LARGEST_RELIEF);
         *self = Self { value: (self.value * factor).max(LEAST_DAMPING), growth: 2.0, refused: 0 };

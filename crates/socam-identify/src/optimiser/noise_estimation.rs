@@ -68,7 +68,7 @@ pub(crate) fn iterated_gls(problem: &Problem<'_>, point: Point) -> Result<Descen
     let mut iterations = descent.iterations;
     let mut fine = false;
     for round in 1..=MOST_ROUNDS {
-        // After one estimate an interrupted search may end.
+        // An interrupted search may end once the noise has been estimated.
         if round > 1 && descent.end == End::Interrupted {
             break;
         }

@@ -28,7 +28,7 @@ const START_ROWS: u64 = 4000;
 /// Number of segments to which starts are fitted.
 const START_SEGMENTS: usize = 4;
 
-/// What one start reached.
+/// Result of the descent from one start.
 pub(crate) struct StartResult {
     pub(crate) cost: f64,
 }

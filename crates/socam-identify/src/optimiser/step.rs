@@ -54,8 +54,8 @@ pub(crate) fn moved(
     point
 }
 
-/// Damping of springs in series: their compliances 1/k add, and so do their terms c/k^2. A spring whose stiffness moves takes its damping
-/// along such that steps are linear in c/k^2.
+/// Adapts the damping of springs in series. In series, compliances 1/k add, and so do the terms c/k^2. When the stiffness of a
+/// spring changes, its damping is changed such that steps are linear in c/k^2.
 fn carry_dampings(problem: &Problem<'_>, before: &[f64], scales: &[f64], step: &[f64], values: &mut [f64]) {
     let change = |index: usize| {
         let position = problem.free.iter().position(|free| *free == index)?;
@@ -79,8 +79,8 @@ fn carry_dampings(problem: &Problem<'_>, before: &[f64], scales: &[f64], step: &
 pub(crate) enum Reparametrisation {
     /// The parameter itself.
     Straight,
-    /// Its inverse. The sloppy direction of two stiffnesses in series is a straight line in compliances and a hyperbola in stiffnesses,
-    /// along which linear steps are short.
+    /// The inverse of the parameter. The sloppy direction of two stiffnesses in series is a straight line in compliances and a
+    /// hyperbola in stiffnesses, along which linear steps are short.
     Inverse,
 }
 
@@ -229,7 +229,7 @@ struct Inequalities {
 }
 
 impl Inequalities {
-    /// From the limits of each step and the problem's constraints.
+    /// Collects the inequalities from the limits of each step and the constraints of the problem.
     fn of(
         problem: &Problem<'_>,
         point: &Point,

@@ -7,7 +7,7 @@ use crate::prediction::{
     step_level::StepLevel,
 };
 
-/// What the integrator reports as it goes on.
+/// A report of the integrator during the integration.
 pub(crate) enum Event<'w> {
     /// A step was accepted; the state has not moved yet.
     Step(&'w AcceptedStep<'w>),
@@ -33,11 +33,11 @@ pub(crate) struct AcceptedStep<'w> {
 /// A switch from one mode to the next. The boundary is detected a little late: the state is taken back along the motion of the mode
 /// before, and forward along the motion of the mode after.
 pub(crate) struct SwitchingEvent {
-    /// In the mode before, when the switch was detected.
+    /// Instant in the mode before, when the switch was detected.
     pub(crate) before: Instant,
-    /// In the mode after, at the same state.
+    /// Instant in the mode after, at the same state.
     pub(crate) beyond: Instant,
-    /// In the mode after, at the corrected state.
+    /// Instant in the mode after, at the corrected state.
     pub(crate) after: Instant,
     /// Time since the boundary was crossed, s.
     pub(crate) late_s: f64,

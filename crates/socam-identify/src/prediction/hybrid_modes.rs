@@ -21,7 +21,7 @@ const LEAST_GAP: f64 = 1e-9;
 
 /// The linear motion of a mode, and the laws beside it.
 pub(crate) struct LinearDynamics {
-    /// Of the active ports only.
+    /// Equations with only the active ports.
     pub(crate) equations: Equations,
     /// Derivatives of `equations` with respect to the free parameters up to the last that changes a matrix.
     pub(crate) sensitivities: Vec<Equations>,
@@ -190,7 +190,7 @@ impl HybridModes {
         &self.dynamics[self.modes[mode].dynamics]
     }
 
-    /// The mode in whose range the twist in the mesh is at this state.
+    /// The mode whose range contains the twist in the mesh at this state.
     pub(crate) fn mode_at(&self, state: &[f64], inputs: &[f64]) -> usize {
         let Some(Play { port, .. }) = self.play else { return 0 };
         let e = &self.network().equations;

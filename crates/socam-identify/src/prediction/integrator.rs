@@ -54,7 +54,7 @@ pub(crate) struct Integrator<'a> {
 }
 
 impl<'a> Integrator<'a> {
-    /// At `state`, with `inputs`. `tolerance` is relative to the largest port input so far.
+    /// Starts an integration at `state` with `inputs`. `tolerance` is relative to the largest port input so far.
     pub(crate) fn new(hybrid_modes: &'a HybridModes, tolerance: f64, state: &[f64], inputs: &[f64]) -> Self {
         let mode = hybrid_modes.mode_at(state, inputs);
         let LinearDynamics { equations, levels, .. } = hybrid_modes.dynamics(mode);

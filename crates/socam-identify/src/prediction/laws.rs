@@ -21,7 +21,7 @@ const STATE_ERROR_WEIGHT: f64 = 100.0;
 pub(crate) struct PortLaw {
     evaluate: fn(&[f64], &[f64]) -> Response,
     parameters: Vec<f64>,
-    /// Which input of the law this port is.
+    /// Index of the law's input that this port supplies.
     law_input: usize,
     /// Number of the law's ports, at least one.
     count: usize,
@@ -30,8 +30,8 @@ pub(crate) struct PortLaw {
     /// Least magnitude that errors of the port input are compared with.
     least_input: f64,
     error_weight: f64,
-    /// Of play: the flank on which the teeth touch (-1 or 1), 0 where they are apart. The law then has the force of
-    /// [`PortLaw::flank_response`].
+    /// Flank on which the teeth of a play touch (-1 or 1), or 0 where they are apart; `None` for other laws. With a flank, the
+    /// force of the law is [`PortLaw::flank_response`].
     flank: Option<f64>,
     /// Position in the law's parameters and position among the free parameters, of each parameter that is free. Empty for all but
     /// the first port of a law.

@@ -93,7 +93,7 @@ mod tests {
     use super::*;
     use crate::prediction::laws::INACTIVE;
 
-    /// At any width of the law and any coupling.
+    /// The solution is correct at any width of the law and any coupling.
     #[test]
     fn friction_and_speed_are_solved_together() {
         let effect = socam_model::effects::find("coulomb_friction").unwrap();

@@ -13,12 +13,13 @@ use crate::{
     },
 };
 
-/// Where a prediction starts.
+/// Start of a prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Start<'a> {
-    /// At rest relative to the first input sample. Only for drivetrains that have such a state (no free-running position).
+    /// The drivetrain is at rest relative to the first input sample. Only for drivetrains that have such a state (no free-running
+    /// position).
     Equilibrium,
-    /// From the model's states, in the order of [`Equations::state_names`], SI.
+    /// The states of the model are given, in the order of [`Equations::state_names`], SI.
     State(&'a [f64]),
 }
 

@@ -20,16 +20,16 @@ pub(crate) struct Recursion {
     real: bool,
     /// Steps computed at once.
     steps: usize,
-    /// What each of the inputs' coefficients about these steps leaves in chi and psi, one to `steps` samples on; then what the
-    /// last chi leaves. What psi leaves in psi is what chi leaves in chi. Lanes are steps; real and imaginary parts stand one after the
-    /// other, of a real mode real parts only.
+    /// Contributions to chi and psi, one to `steps` samples later, of a unit value of each of the inputs' coefficients about these
+    /// steps, then of a unit value of the last chi. A unit value of the last psi contributes to psi what a unit value of chi
+    /// contributes to chi. Lanes are steps; real parts come first, then imaginary parts, which a real mode does not have.
     weights: Vec<f64>,
     chi: C,
     psi: C,
 }
 
 impl Recursion {
-    /// At rest. A real mode fills one signal, a pair two: real and imaginary part.
+    /// Creates a recursion at rest. A real mode has one signal; a complex pair has two, the real and the imaginary part.
     pub(crate) fn new(hold: Hold, real: bool) -> Self {
         let steps = pulp::Arch::new().dispatch(Lanes);
         let mut weights = Vec::new();

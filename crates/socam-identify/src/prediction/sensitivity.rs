@@ -29,9 +29,9 @@ pub(crate) struct Sensitivity<'s> {
     columns: usize,
     /// Sensitivities of the inactive laws at the present time.
     inactive: Vec<InactiveSensitivity>,
-    /// Those in the middle of a step and at its end.
+    /// Sensitivities of the inactive laws in the middle of a step and at its end.
     later: [Vec<InactiveSensitivity>; 2],
-    /// Those of the output-only laws at the last observation.
+    /// Sensitivities of the output-only laws at the last observation.
     output_only: Vec<InactiveSensitivity>,
     /// Sensitivities of the states, then of the forces at a step's start, middle and end; row by row.
     rows: Vec<f64>,
@@ -43,8 +43,8 @@ pub(crate) struct Sensitivity<'s> {
 }
 
 impl<'s> Sensitivity<'s> {
-    /// At `first`, before the first step. `start` are the sensitivities of the start state with respect to the free parameters; `None`
-    /// for a start state that is itself unknown.
+    /// Sensitivities at the instant `first`, before the first step. `start` are the sensitivities of the start state with respect
+    /// to the free parameters; it is `None` if the start state is itself unknown.
     pub(crate) fn new(
         hybrid_modes: &'s HybridModes,
         first: &Instant,
@@ -287,12 +287,12 @@ impl<'s> Sensitivity<'s> {
         self.columns + self.hybrid_modes.free - self.moving
     }
 
-    /// Position of a free parameter in such a row.
+    /// Position of a free parameter in a row of sensitivities.
     pub(crate) fn column_of(&self, free: usize) -> usize {
         if free < self.moving { free } else { self.columns + free - self.moving }
     }
 
-    /// Positions of the start states in such a row.
+    /// Positions of the start states in a row of sensitivities.
     pub(crate) fn start_columns(&self) -> Range<usize> {
         padded(self.moving)..padded(self.moving) + self.start
     }

@@ -41,8 +41,8 @@ impl Dimensions {
     }
 }
 
-/// `count` rounded up to whole SIMD vectors. Sensitivities with respect to `count` parameters are stored in so many numbers, the rest
-/// zeros.
+/// `count` rounded up to whole SIMD vectors. Sensitivities with respect to `count` parameters are stored in this many numbers, of
+/// which the last are zeros.
 pub(crate) const fn padded(count: usize) -> usize {
     count.next_multiple_of(4)
 }

@@ -90,8 +90,8 @@ pub(crate) fn derivative(signal: &[f64], step_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Every `factor`-th sample after a zero-phase low-pass at 0.8 of the new Nyquist frequency: Chebyshev of order 8 with 0.05 dB of
-/// ripple, as in MATLAB's `decimate`.
+/// Low-pass filters a signal and keeps every `factor`-th sample. The filter is zero-phase, at 0.8 of the new Nyquist frequency:
+/// Chebyshev of order 8 with 0.05 dB of ripple, as in MATLAB's `decimate`.
 pub(crate) fn decimate(signal: &[f64], factor: usize) -> Vec<f64> {
     let cutoff = 0.8 / factor as f64;
     let filtered = both_ways(signal, &sections(Prototype::Chebyshev(0.05), 8, cutoff), 8, cutoff);

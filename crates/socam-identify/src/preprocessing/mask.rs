@@ -165,7 +165,7 @@ impl Mask {
     }
 }
 
-/// The same rows as ascending ranges that do not touch.
+/// Sorts rows and joins ranges that touch.
 pub(super) fn joined(mut rows: Rows) -> Rows {
     rows.sort_by_key(|rows| rows.start);
     let mut joined = Rows::new();

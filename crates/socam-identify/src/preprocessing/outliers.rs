@@ -183,6 +183,6 @@ fn is_in_the_data(
     })?;
     let gap = spikes::REACH..values.len() - spikes::REACH;
     let off = spikes::off_imputed(&mut values, gap);
-    // With a missing neighbour the test is left out.
+    // If a neighbour is missing, the test is left out.
     Ok(off.is_nan() || off >= ALONE * residual.abs())
 }

@@ -11,8 +11,8 @@ use crate::{IdentifyError, Intersample, prediction::intersample, preprocessing::
 /// Fewest samples of a segment. A shorter one would cost more unknowns (its start state) than it has information.
 const MIN_ROWS: u64 = 20;
 
-/// Most samples of a segment where start states are free. Longer ones are divided so that one long recording uses all cores; one more
-/// start state among so many samples costs nothing.
+/// Largest number of samples of a segment whose start states are free. Longer segments are divided so that one long recording uses
+/// all cores; the additional start states cost nothing with this many samples.
 pub(crate) const MOST_ROWS: u64 = 250_000;
 
 /// Consecutive rows of a recording at a constant rate, without a missing input.

@@ -7,7 +7,7 @@ use crate::{optimiser::descent::End, preprocessing::mask::LeftOut};
 /// Version of [`Identification`]'s JSON form.
 pub const SCHEMA: &str = "socam.identification/1";
 
-/// Where a number comes from.
+/// Source of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
@@ -15,7 +15,7 @@ pub enum Source {
     Data,
     /// Mostly what was known before.
     Prior,
-    /// It was not estimated.
+    /// The parameter was not estimated.
     Fixed,
 }
 
@@ -35,7 +35,7 @@ pub struct ParameterEstimate {
     /// Whether the data determine it: the interval lies inside the bounds and is at most half the value to
     /// either side.
     pub identifiable: bool,
-    /// Where it comes from.
+    /// Source of the value.
     pub source: Source,
     /// Parameters that it cannot be told apart from.
     pub determined_with: Vec<String>,
@@ -48,7 +48,7 @@ pub struct ParameterEstimate {
 pub struct CombinationEstimate {
     /// Name.
     pub name: String,
-    /// In terms of parameters.
+    /// Formula in terms of parameters.
     pub expression: String,
     /// SI; `None` where not even this is determined.
     pub value: Option<f64>,
@@ -60,7 +60,7 @@ pub struct CombinationEstimate {
     pub ci95: [Option<f64>; 2],
 }
 
-/// How well one channel is predicted, over all recordings, running free.
+/// Error of a free run for one channel, over all recordings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChannelFit {
     /// Root mean square of the residual, SI.
@@ -80,7 +80,7 @@ pub struct ChannelFit {
 /// Fit of all channels, in the model's order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fit {
-    /// By channel name.
+    /// Fit by channel name.
     #[serde(serialize_with = "as_map")]
     pub channels: Vec<(String, ChannelFit)>,
 }
@@ -92,7 +92,7 @@ pub(crate) fn as_map<T: Serialize, S: serde::Serializer>(
     serializer.collect_map(channels.iter().map(|(name, value)| (name, value)))
 }
 
-/// The answer.
+/// Result of an identification.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Identification {
     /// [`SCHEMA`].
@@ -105,7 +105,7 @@ pub struct Identification {
     pub recordings: Vec<String>,
     /// Whether the estimate is a minimum.
     pub converged: bool,
-    /// How it ended.
+    /// Reason for which the fit ended.
     pub end: End,
     /// Iterations of the last descents.
     pub iterations: usize,
@@ -117,7 +117,7 @@ pub struct Identification {
     pub combinations: Vec<CombinationEstimate>,
     /// Sensor offsets, one per channel and uninterrupted segment.
     pub nuisance: Vec<ParameterEstimate>,
-    /// How well the model fits.
+    /// Fit of the model to the recordings.
     pub fit: Fit,
     /// Noise levels of the inputs that were used, SI, by channel name; zero where an input was taken as exact; empty for inverse
     /// dynamics.
@@ -125,7 +125,7 @@ pub struct Identification {
     pub input_noise_std: Vec<(String, f64)>,
     /// Samples that were not used as measured.
     pub left_out: Vec<LeftOut>,
-    /// What would settle what has no number: sensors, experiments.
+    /// Advice for quantities that are not determined: sensors and experiments that would determine them.
     pub advice: Vec<String>,
     /// Anything a careful reader should know.
     pub warnings: Vec<String>,

@@ -64,7 +64,7 @@ fn others(channel: &Channel, kind: Intersample) -> &'static [Intersample] {
 /// An assumption that was not made and moves an estimate.
 struct Alternative {
     kind: Intersample,
-    /// Its deviance minus that of the assumption made.
+    /// Deviance under this assumption minus that under the assumption made.
     deviance: f64,
     /// The parameter that it moves most, and the move in half widths of its interval.
     parameter: String,

@@ -9,7 +9,7 @@ use crate::{
     tests::{TONES, TRUTH, bench, fix, model},
 };
 
-/// A bench's recording with the motor's angle, rounded to so many counts per turn, in place of its speed.
+/// A bench's recording in which the motor's angle, rounded to `counts` counts per turn, replaces its speed.
 fn with_encoder(data: &Dataset, counts: f64) -> Dataset {
     let loaded = data.load(&["output_speed", "torque_in", "torque_out"]).unwrap();
     let tone = |t: f64, i: usize, (f, a): (f64, f64)| -a / (TAU * f) * (TAU * f * t + i as f64).cos();
@@ -35,7 +35,8 @@ fn counts_of_an_encoder_are_the_noise_of_its_rate() {
     let exact = [bench(TRUTH, 4.0, 1.0, 31), bench(TRUTH, 4.0, 1.0, 32)];
     let recorded = exact.each_ref().map(|data| with_encoder(data, counts));
     let found = fitted(&recorded, "column = \"motor_angle_rad\"\ntake = \"rate\"");
-    // Rounding leaves a twelfth of a count's square; a rate is made of samples whose weights have squares of 1.80 together.
+    // The variance of rounding is one twelfth of a squared count. A rate is computed from samples whose squared weights add up to
+    // 1.80.
     let expected = (1.80_f64 / 12.0).sqrt() * TAU / counts / 1e-3;
     let noise = found.input_noise_std[0].1;
     assert!((noise / expected - 1.0).abs() < 0.03, "{noise} {expected}");

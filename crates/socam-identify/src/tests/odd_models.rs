@@ -48,7 +48,7 @@ quantity = "torque"
 at = "a"
 "#;
 
-/// Its recording by semi-implicit steps of a microsecond, noise of 0.01 N m.
+/// A recording of this model by semi-implicit steps of a microsecond, with noise of 0.01 N m.
 fn two_ends(ka: f64, kb: f64, c: f64) -> Dataset {
     let inputs =
         |t: f64| [3.0 * (20.0 * t).sin() + (170.0 * t).sin(), 2.0 * (31.0 * t).cos() + 10.0 * t.cos()];

@@ -28,7 +28,8 @@ fn fitted(data: &[Dataset]) -> Identification {
     output_error(&Problem::new(&model, data, Options { starts: 1, ..Options::default() }).unwrap()).unwrap()
 }
 
-/// Each determined parameter as in a clean fit, and the truth in its interval (widened: five are tried).
+/// Asserts that each determined parameter agrees with a clean fit, and that its interval contains the truth (widened, because five
+/// are tested).
 fn assert_alike(result: &Identification, clean: &Identification) {
     let truths = [("k1", TRUTH[0]), ("k4", TRUTH[3]), ("c2", TRUTH[4]), ("c4", TRUTH[6]), ("c5", TRUTH[7])];
     for (name, truth) in truths {

@@ -141,7 +141,7 @@ struct Directions {
 }
 
 impl Directions {
-    /// From a factor of the information in relative steps; `None` where it has no singular values.
+    /// Computes it from a factor of the information matrix in relative steps; `None` if the factor has no singular values.
     fn of(factor: &Mat<f64>) -> Option<Self> {
         let free = factor.ncols();
         let svd = Svd::new(factor)?;

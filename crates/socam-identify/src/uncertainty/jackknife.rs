@@ -89,7 +89,7 @@ pub fn half_widths(
 /// Sensitivities at a fit.
 struct Sensitivities {
     evaluated: Vec<SegmentEvaluation>,
-    /// Of the free parameters' covariance in white noise, scaled.
+    /// Root of the free parameters' covariance in white noise, scaled.
     root: Mat<f64>,
     weights: Weights,
 }

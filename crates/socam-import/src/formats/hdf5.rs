@@ -32,7 +32,7 @@ fn walk(arrays: &mut Arrays<'_>, path: &str, group: &Group, depth: usize) -> Res
     }
     let mut names = group.groups()?;
     names.sort_unstable();
-    // What MATLAB keeps objects and cells in.
+    // Groups whose names begin with `#` are skipped: MATLAB keeps objects and cells in them.
     for name in names.iter().filter(|name| !name.starts_with('#')) {
         walk(arrays, &below(name), &group.group(name)?, depth + 1)?;
     }

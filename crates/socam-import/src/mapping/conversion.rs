@@ -1,4 +1,4 @@
-//! How a channel's unit, scale and counts become a factor and an offset.
+//! Conversion of a channel's unit, scale and counts to a factor and an offset.
 
 use socam_recording::{Fields, Unit};
 

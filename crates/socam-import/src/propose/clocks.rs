@@ -1,4 +1,4 @@
-//! Which signal holds a group's times, and in which unit.
+//! Finds the signal that contains a group's times, and its unit.
 
 use socam_units::{Column, Meaning, column, plain_name, seconds};
 
@@ -43,7 +43,7 @@ fn clock(index: usize, group: &Group) -> ProposedClock {
         };
         Some((rank, column, unit, assumed, times, stamps))
     });
-    // Of equals the first one in the file.
+    // Of equal candidates the first one in the file is taken.
     let best = candidates.reduce(|best, next| if next.0 > best.0 { next } else { best });
     match best {
         Some((_, column, unit, assumed, times, stamps)) => {

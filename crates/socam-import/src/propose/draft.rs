@@ -1,4 +1,4 @@
-//! What the first rows of a file say of its clocks and channels.
+//! Draft of a mapping from the first rows of a file.
 
 use std::path::Path;
 
@@ -11,12 +11,12 @@ use crate::formats::read;
 use crate::mapping::{ChannelMap, Clock, Mapping, Time};
 use crate::source::{Source, Wanted};
 
-/// What the first rows of a file say.
+/// Draft of a mapping from the first rows of a file.
 pub(super) struct Draft {
     pub(super) source: Source,
     pub(super) clocks: Vec<ProposedClock>,
     pub(super) channels: Vec<Proposed>,
-    /// What was left aside, and what else is worth knowing.
+    /// Notes on what was left out, and other remarks.
     pub(super) notes: Vec<Warning>,
 }
 
@@ -35,7 +35,7 @@ impl Draft {
         Ok(draft)
     }
 
-    /// Every signal becomes a channel, or a note says why not.
+    /// Makes a channel of every signal, or adds a note that says why not.
     fn find_channels(&mut self) {
         let mut columns = Vec::new();
         for (index, group) in self.source.groups.iter().enumerate() {
@@ -71,7 +71,7 @@ impl Draft {
         }
     }
 
-    /// What the file does not say of its clocks, and of the units of channels that vary.
+    /// Unknown facts about clocks, and about the units of channels that vary.
     pub(super) fn unknown(&self) -> Vec<String> {
         let is_open = |channel: &&Proposed| channel.conversion().is_none() && !channel.is_constant();
         let units = self.channels.iter().filter(is_open);

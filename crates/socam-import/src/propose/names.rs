@@ -1,4 +1,4 @@
-//! What the names of signals have in common, and what the unit of one may be.
+//! Common parts of the names of signals, and guesses of a signal's unit.
 
 use std::collections::HashSet;
 
@@ -48,7 +48,7 @@ const WORDS: [(&[&str], &str); 9] = [
     (&["acc", "accel", "acceleration"], "\"m/s2\" or \"rad/s2\""),
 ];
 
-/// What the unit of a column may be and what speaks for it, in words that follow `unit = "?"`.
+/// Guess of a column's unit, with the evidence, in words that follow `unit = "?"`.
 pub(super) fn guess(column: &Column, signal: &Signal) -> String {
     match (column.meaning, &column.unit) {
         (Meaning::Values(_), _) => return String::new(),
@@ -69,7 +69,7 @@ pub(super) fn guess(column: &Column, signal: &Signal) -> String {
     format!("{usual}{}", shape(signal))
 }
 
-/// What the numbers look like: counts, or turns in degrees.
+/// Evidence from the numbers of a signal: counts, or turns in degrees.
 fn shape(signal: &Signal) -> String {
     let held: Vec<f64> = signal.absolute().filter(|value| value.is_finite()).collect();
     if held.is_empty() {

@@ -120,7 +120,7 @@ fn channel(text: &mut String, proposed: &Proposed) {
     }
 }
 
-/// What may stand in a comment: names come from strangers.
+/// Makes a text safe for a comment: names come from files of unknown origin.
 fn comment(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }

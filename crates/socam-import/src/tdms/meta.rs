@@ -44,7 +44,7 @@ impl LeadIn {
     }
 }
 
-/// What a segment says of an object's data.
+/// Description of an object's data in a segment.
 pub(super) enum Index {
     None,
     Same,

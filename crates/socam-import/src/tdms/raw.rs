@@ -3,12 +3,12 @@
 use super::Problem;
 use super::fields::Fields;
 
-/// How a channel's values lie in a chunk.
+/// Layout of a channel's values in a chunk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Storage {
     kind: u32,
     count: u64,
-    /// Of texts, whose length is not `count` times a size.
+    /// Length of texts, bytes, which is not `count` times a size; `None` for numbers.
     text_bytes: Option<u64>,
 }
 

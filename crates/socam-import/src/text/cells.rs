@@ -15,7 +15,7 @@ pub(crate) enum Cell {
 const MISSING: [&str; 14] =
     ["", "nan", "-nan", "nan(ind)", "1.#qnan", "na", "n/a", "#n/a", "null", "none", "-", "--", "inf", "-inf"];
 
-/// What a cell holds.
+/// Interprets the content of a cell.
 pub(crate) fn cell(text: &str, decimal_comma: bool, date: Option<&str>) -> Cell {
     let text = text.trim().trim_matches('"').trim();
     if let Some(number) = number(text, decimal_comma) {
@@ -33,10 +33,10 @@ pub(crate) fn cell(text: &str, decimal_comma: bool, date: Option<&str>) -> Cell 
     }
 }
 
-/// How the digits of a number are parted, where that leaves a doubt.
+/// Notation of a number, where it is ambiguous.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Style {
-    /// As the file's decimal sign says.
+    /// The notation follows the file's decimal sign.
     Plain,
     /// `0.5` in a file with decimal commas.
     Pointed,

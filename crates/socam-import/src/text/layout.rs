@@ -1,10 +1,10 @@
-//! How the lines of a text file are to be read, found from its beginning.
+//! Layout of a text file, found from its beginning.
 
 use socam_units::{conversion, is_counts, seconds};
 
 use super::cells::{Cell, Style, cell, split, style};
 
-/// How the lines of a text file are read. Lines count from 1.
+/// Layout of the lines of a text file. Lines count from 1.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextLayout {
     /// Name of the encoding, as in the WHATWG standard (`utf-8`, `utf-16le`, `windows-1252`).
@@ -79,7 +79,7 @@ pub(crate) fn sniff(encoding: &str, text: &str, is_cut: bool) -> Option<TextLayo
     Some(layout)
 }
 
-/// How well lines are read in a way; the first that differs decides.
+/// Score of a reading of lines; scores are compared field by field, and the first field that differs decides.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 struct Score {
     /// Share and number of the cells that hold numbers.
@@ -109,8 +109,8 @@ impl Score {
     }
 }
 
-/// How well lines are read in this way, and the first line of numbers: the longest run of lines with equally many cells, most of which
-/// hold numbers.
+/// Score of a reading with this separator and decimal sign, and the first line of numbers. The lines scored are the longest run of
+/// lines with equally many cells, most of which hold numbers.
 fn rate(lines: &[&str], separator: u8, comma: bool) -> Option<(Score, usize)> {
     let mut best: Option<(Score, usize)> = None;
     // First line, cells and score of the run.

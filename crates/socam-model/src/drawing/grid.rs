@@ -28,12 +28,12 @@ pub(super) struct Grid {
     labels: Vec<f64>,
 }
 
-/// Where an element is in its row.
+/// Position of an element in its row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RowPosition {
     /// Above the chain, as a box with a label.
     Sensor,
-    /// On the wire.
+    /// The element is on the wire.
     Chain,
     /// Hanging from the wire, on the ground.
     Grounded,

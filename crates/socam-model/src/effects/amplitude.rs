@@ -23,7 +23,7 @@ impl Amplitude {
 pub enum Coordinate {
     /// The value itself.
     Value,
-    /// Its inverse: compliance for a stiffness.
+    /// The inverse of the value: compliance for a stiffness.
     Inverse,
 }
 
@@ -43,7 +43,7 @@ pub enum Linearisation {
 /// The influence of an effect on steady states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Steady {
-    /// None, or one that a single amplitude does not describe.
+    /// The effect has no influence, or one that a single amplitude does not describe.
     Unseen,
     /// All readings are linear in its first amplitude.
     Linear,

@@ -46,13 +46,13 @@ pub struct Effect {
     pub name: &'static str,
     /// Kind of place at which it acts.
     pub acts_at: ActsAt,
-    /// At which of these places a diagnosis looks for it.
+    /// Places of this kind at which a diagnosis tests the effect.
     pub places: Places,
-    /// Its parameters.
+    /// Parameters of the effect.
     pub parameters: &'static [EffectParameter],
     /// Parameters of its place that its laws use after their own.
     pub borrows: Option<Borrowed>,
-    /// How it enters the equations.
+    /// Form in which the effect enters the equations.
     pub form: Form,
     /// Parameters in which the model is linear and that are zero (or another null value) without the effect.
     pub amplitude: Amplitude,
@@ -71,7 +71,7 @@ pub struct Effect {
     pub replaces: &'static [Replaces],
     /// Effects that are observationally equivalent to it under a condition.
     pub equivalents: &'static [Equivalent],
-    /// How it appears in steady states.
+    /// Influence of the effect on steady states.
     pub steady: Steady,
     /// The law as text.
     pub equation: &'static str,
@@ -137,7 +137,7 @@ impl Effect {
         }
     }
 
-    /// Its force laws.
+    /// Force laws of the effect; empty if its form is not [`Form::Laws`].
     pub fn laws(&self) -> &'static [Law] {
         match self.form {
             Form::Laws(laws) => laws,
@@ -168,14 +168,15 @@ impl Effect {
         self.sees(LawInput::State)
     }
 
-    /// Whether it changes the network itself. A diagnosis tests such an effect in a model without others of its kind.
+    /// Whether the effect changes the network itself. A diagnosis tests such an effect in a model without others of its kind.
     #[must_use]
     pub fn is_structural(&self) -> bool {
         !matches!(self.form, Form::Laws(_)) || self.acts_at == ActsAt::Gear
     }
 
-    /// Starts with large amplitudes, for a base model with a large error: each of [`Self::starts`] with every amplitude at the quantile
-    /// `share` of its prior (0.5: the median), and a wave at each of four phases. Starts whose amplitudes have an improper prior are left out.
+    /// Starts with large amplitudes, for a base model with a large error. Each of [`Self::starts`] is given every amplitude at the
+    /// quantile `share` of its prior (0.5 is the median), and a wave is started at each of four phases. Starts whose amplitudes
+    /// have an improper prior are left out.
     #[must_use]
     pub fn large_starts(&self, rig: &Rig, place: &str, share: f64) -> Vec<Values> {
         let priors = (self.priors)(rig, place);

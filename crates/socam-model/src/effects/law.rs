@@ -29,7 +29,7 @@ pub enum LawInput {
 }
 
 impl LawInput {
-    /// Its name in [`Law::formula`].
+    /// Name of the input in [`Law::formula`].
     #[must_use]
     pub const fn symbol(self) -> &'static str {
         match self {
@@ -73,7 +73,7 @@ pub struct Response {
 /// A force law.
 #[derive(Debug, Clone, Copy)]
 pub struct Law {
-    /// Its inputs.
+    /// Inputs of the law.
     pub law_inputs: &'static [LawInput],
     /// Action of its response.
     pub acts: Acts,
@@ -93,7 +93,7 @@ pub struct Law {
 /// How an effect enters the equations of motion.
 #[derive(Debug, Clone, Copy)]
 pub enum Form {
-    /// By laws.
+    /// The effect adds the forces of these laws.
     Laws(&'static [Law]),
     /// Adds its first parameter to the inertia of its node.
     Inertia,

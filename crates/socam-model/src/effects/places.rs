@@ -18,7 +18,7 @@ pub enum ActsAt {
 }
 
 impl ActsAt {
-    /// Its name in a sentence, with the article.
+    /// Name of the kind of place in a sentence, with the article.
     ///
     /// ```
     /// assert_eq!(socam_model::effects::ActsAt::Bearing.noun(), "a bearing");
@@ -39,7 +39,7 @@ impl ActsAt {
 /// The places, among those at which an effect may act, that a diagnosis tests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Places {
-    /// All of that kind.
+    /// All places of the effect's kind.
     Every,
     /// The last node that has an inertia and whose motion is not prescribed: the load, on which torques from outside act.
     Load,
@@ -50,7 +50,7 @@ pub enum Places {
     Free,
     /// Output channels.
     Sensors,
-    /// Input channels whose column is read as it is.
+    /// Input channels whose column is used without a transform.
     Inputs,
     /// Output and input channels.
     Channels,

@@ -33,7 +33,7 @@ pub enum Shape {
         /// exp of the standard deviation of the logarithm: 68 % of values lie within this factor of the median.
         factor: f64,
     },
-    /// Normal.
+    /// A normal density.
     Normal {
         /// Mean, SI.
         mean: f64,
@@ -95,8 +95,8 @@ impl Prior {
         Self::log_normal([0.1 * most, 5.0], (0.0, most), source)
     }
 
-    /// Normal density of a size of either sign within -`most` .. `most`, with standard deviation 0.2 `most`. Flat where `most` is not a
-    /// positive number.
+    /// Normal density of a value of either sign between -`most` and `most`, with standard deviation 0.2 `most`. It is flat where
+    /// `most` is not a positive number.
     pub(super) fn within(most: f64, source: &'static str) -> Self {
         Self::normal([0.0, 0.2 * most], (-most, most), source)
     }

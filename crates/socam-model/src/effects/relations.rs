@@ -46,7 +46,8 @@ pub struct Equivalent {
 pub enum Condition {
     /// The other effect acts at the other of two springs in series, with no measurement between them.
     InSeries,
-    /// As [`Self::InSeries`], if one of the two stiffnesses is free and its bounds include the value of the other.
+    /// The condition of [`Self::InSeries`] holds, one of the two stiffnesses is free, and its bounds include the value of the
+    /// other.
     InSeriesWithFreeStiffness,
     /// The other effect acts at the same channel, and the amplitude is below this fraction of the sample time.
     ShorterThanSamples(f64),

@@ -159,7 +159,7 @@ impl Reader<'_> {
         Ok(index)
     }
 
-    /// As [`Self::parameter`], for one that cannot be negative; its lower bound becomes 0 where the file gives none.
+    /// Index of a parameter that cannot be negative, see [`Self::parameter`]; its lower bound becomes 0 where the file gives none.
     pub(super) fn positive(&mut self, reference: &Reference, kind: Kind) -> Result<usize, ModelError> {
         let key = kind_name(kind);
         let index = self.parameter(key, reference, kind)?;

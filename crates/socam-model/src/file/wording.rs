@@ -1,4 +1,4 @@
-//! What is wrong with a file that the TOML parser refuses, in words that say what to write.
+//! Messages for a file that the TOML parser refuses: what is wrong and what to write.
 
 use crate::ModelError;
 

@@ -231,7 +231,8 @@ fn links(model: &Model) -> Vec<Link<'_>> {
     springs.chain(gears).chain(differentials).chain(shafts).collect()
 }
 
-/// Where the drawing starts: at the servo, else at the first node that an input drives, by itself or by a winding, else at the first node.
+/// Node at which the drawing starts: the servo if there is one, else the first node that an input drives (directly or by a
+/// winding), else the first node.
 fn first_node(model: &Model) -> usize {
     let driven = |name: &str| {
         let winding = || model.motors.iter().find(|motor| motor.name == name).map(|motor| motor.node);

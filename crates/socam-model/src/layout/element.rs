@@ -23,7 +23,7 @@ pub enum ElementKind {
         /// Speed of the `from` side divided by that of the `to` side, at the file's value.
         ratio: f64,
     },
-    /// One of the two ways into a rigid differential.
+    /// One of the two input sides of a rigid differential.
     Differential {
         /// Motion of the node behind it by a unit motion of the node before it, at the file's value.
         factor: f64,
@@ -56,7 +56,7 @@ pub enum ElementKind {
 /// One element of the drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Element {
-    /// Its kind.
+    /// Kind of the element.
     pub kind: ElementKind,
     /// Place or channel name.
     pub name: String,

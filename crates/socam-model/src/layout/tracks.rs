@@ -48,7 +48,7 @@ impl Layout {
             net_of[index] = Some(net);
         }
         let mut counts = vec![0; self.columns + 1];
-        // What begins lower comes first: its wire then reaches its track without crossing those that began above.
+        // Wires that begin lower are placed first: they then reach their track without crossing wires that began above.
         let mut order: Vec<usize> = (0..nets.len()).collect();
         order.sort_by_key(|net| std::cmp::Reverse(nets[*net].rows.0));
         for (place, index) in order.iter().copied().enumerate() {

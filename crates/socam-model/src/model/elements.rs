@@ -45,7 +45,7 @@ pub struct Gear {
 pub struct Shaft {
     /// Place name.
     pub name: String,
-    /// Its two ends.
+    /// Indices of the nodes at its two ends.
     pub nodes: (usize, usize),
 }
 

@@ -7,7 +7,7 @@ use crate::{
     jet::{Jet, Scalar},
 };
 
-/// How a coordinate moves.
+/// Kind of coordinate, by how its motion is determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Class {
     /// A differential moves it; it has no coordinate of its own.

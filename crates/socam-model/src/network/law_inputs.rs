@@ -70,7 +70,8 @@ impl MotionMaps<'_, '_> {
         row
     }
 
-    /// Angle through which a node has turned: that of the shaft whose turned angle is an input, plus the twist of the springs between.
+    /// Angle through which a node has turned: the angle of the shaft whose turned angle is an input, plus the twist of the springs
+    /// between that shaft and the node.
     fn turned(&self, node: usize, used: &EffectUse) -> Result<Jet, ModelError> {
         let angle = |node: usize| self.a.node_row(node).times(&self.angle);
         let clock = self.a.model.inputs().find(|input| input.quantity == Quantity::Turned);

@@ -3,7 +3,7 @@
 use super::assembly::{Assembly, Class};
 use crate::{Channel, Model, Motion, Quantity, Role};
 
-/// Relative difference from which on two motions count as different.
+/// Relative difference above which two motions count as different.
 const ROUNDING: f64 = 1e-9;
 
 impl Model {

@@ -1,6 +1,6 @@
 //! The mistakes.
 
-/// What is wrong, the text that is replaced in the file of `two-mass`, what is written instead, and the message.
+/// Each entry: the mistake, the text of the `two-mass` file that is replaced, its replacement, and the message.
 pub(crate) const MISTAKES: &[[&str; 4]] = &[
     [
         "schema is missing",

@@ -66,7 +66,7 @@ pub fn interval(value: Option<f64>, ci95: [Option<f64>; 2]) -> String {
 fn warranted(value: f64, ci95: [Option<f64>; 2]) -> i32 {
     let width = width(value, ci95);
     if width.is_finite() && width > 0.0 {
-        // At most eight digits are shown.
+        // The resolution is limited to eight digits.
         resolution(width, 2).max(resolution(value, 8))
     } else {
         resolution(value, DIGITS)

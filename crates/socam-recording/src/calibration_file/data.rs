@@ -38,7 +38,7 @@ pub struct Calibration {
     pub motor_std: Option<MotorStd>,
     /// Closed-loop speed control.
     pub speed_control: SpeedGains,
-    /// What ends a run.
+    /// Limits that end a run.
     pub safety: Safety,
     /// The input channels, in the converter's order.
     pub channels: Vec<CalibratedChannel>,
@@ -64,7 +64,7 @@ pub struct SpeedGains {
     pub integral_per_s: f64,
 }
 
-/// What ends a run, apart from the channels' own limits.
+/// Limits that end a run, apart from the channels' own limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Safety {
     /// Longest time without a message of the host, s.

@@ -30,7 +30,7 @@ impl Calibration {
         Self::parse(&settings::read(path)?).map_err(|error| error.in_file(path))
     }
 
-    /// What a recording of this bench holds: the command in V, then the input channels.
+    /// Channels of a recording of this bench: the command in V, then the input channels.
     #[must_use]
     pub fn recorded_channels(&self) -> Vec<Channel> {
         let command = Channel::new(COMMAND, Unit::V);

@@ -32,7 +32,7 @@ struct Sentence {
 }
 
 impl<'a> Document<'a> {
-    /// Of these checks, in this order.
+    /// Document of these checks, in this order.
     #[must_use]
     pub fn new(checks: &'a [Check]) -> Self {
         Self { schema: SCHEMA, recordings: checks.iter().map(Described::from).collect() }

@@ -8,7 +8,7 @@ use crate::Unit;
 /// Signal-to-noise ratio below which a channel carries little information, dB.
 pub(super) const LOWEST_SNR_DB: f64 = 10.0;
 
-/// How severely a finding affects a fit.
+/// Severity of a finding for a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
@@ -20,15 +20,15 @@ pub enum Severity {
     Prevents,
 }
 
-/// At which of its values a channel is held.
+/// Value at which a channel is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeldAt {
-    /// At its least value: clipped.
+    /// The channel is held at its least value: clipped.
     Least,
-    /// At its greatest value: clipped.
+    /// The channel is held at its greatest value: clipped.
     Greatest,
-    /// At a value between: stuck.
+    /// The channel is held at a value between: stuck.
     Between,
 }
 
@@ -92,7 +92,7 @@ pub enum Finding {
 }
 
 impl Finding {
-    /// Its severity.
+    /// Severity of the finding.
     #[must_use]
     pub fn severity(&self) -> Severity {
         match self {

@@ -104,7 +104,7 @@ fn input_channel(data: &Dataset, options: &CheckOptions) -> Result<Option<usize>
     Ok(usual.iter().find_map(|name| data.channel_index(name).ok()))
 }
 
-/// Which of the recording's channels are checked (the input always is), and the names that it lacks.
+/// Flags of the recording's channels that are checked (the input always is), and names of channels that the recording lacks.
 fn checked(data: &Dataset, options: &CheckOptions, input: Option<usize>) -> (Vec<bool>, Vec<String>) {
     let mut checked = vec![options.channels.is_empty(); data.channels().len()];
     let mut missing = Vec::new();

@@ -1,8 +1,8 @@
-//! What a recording is checked against: channels, ratios, resonances and parameters of a model.
+//! Requirements against which a recording is checked: channels, ratios, resonances and parameters of a model.
 
 use serde::Serialize;
 
-/// What to check against: what a model says of the channels that it reads. By default there is no model.
+/// Requirements that a model puts on the channels that it reads. By default there is no model.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CheckOptions {
     /// The channel that drives the model; `motor_speed`, else `command`, when `None`.
@@ -41,7 +41,7 @@ impl FreeParameters {
 /// A resonance of the model and the parameters that exciting it determines.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Resonance {
-    /// Its natural frequency, Hz.
+    /// Natural frequency, Hz.
     pub frequency_hz: f64,
     /// The free parameters that it depends on, most sensitive first.
     pub parameters: Vec<String>,
@@ -72,7 +72,7 @@ pub struct FixedRatio {
 /// A channel that measures a speed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Speed {
-    /// Its name or column.
+    /// Name or column of the channel.
     pub channel: String,
     /// Speed = scale * column + offset.
     pub scale: f64,

@@ -26,7 +26,7 @@ pub struct Check {
     pub verdict: Verdict,
     /// The channel taken as the input; `None` when none was named and none has a usual name.
     pub input: Option<String>,
-    /// Each checked channel, in the dataset's order.
+    /// Checks of the channels, in the dataset's order.
     pub channels: Vec<ChannelCheck>,
     /// The findings, most severe first.
     pub findings: Vec<Finding>,
@@ -38,7 +38,7 @@ pub struct Check {
 pub struct ChannelCheck {
     /// The channel's name.
     pub name: String,
-    /// Its unit.
+    /// Unit of the channel.
     pub unit: Unit,
     /// Half of peak to peak, in the unit.
     pub amplitude: f64,

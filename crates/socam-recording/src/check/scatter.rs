@@ -143,7 +143,7 @@ impl Spikes {
         } else {
             self.open.push(value);
             if self.open.len() > LONGEST_SPIKE {
-                // It did not return: a step of the motion.
+                // The values did not return to the base: this is a step of the motion, not a spike.
                 for value in std::mem::take(&mut self.open) {
                     self.outside_of_spikes(value);
                 }

@@ -94,7 +94,7 @@ impl Finding {
         }
     }
 
-    /// What to record or change, as a phrase.
+    /// Remedy as a phrase: what to record or change.
     #[must_use]
     pub fn remedy(&self) -> Cow<'static, str> {
         let words = match self {

@@ -70,7 +70,7 @@ impl Dataset {
         self.format
     }
 
-    /// Its channels; every block has its columns in this order.
+    /// Channels of the dataset; every block has its columns in this order.
     #[must_use]
     pub fn channels(&self) -> &[Channel] {
         &self.channels
@@ -125,26 +125,26 @@ impl Dataset {
         self.lost_samples
     }
 
-    /// Where the file was cut off, if it was.
+    /// Place at which the file was cut off, if it was.
     #[must_use]
     pub fn cut(&self) -> Option<&Cut> {
         self.cut.as_ref()
     }
 
-    /// What an MCAP log holds besides samples; `None` for other formats.
+    /// Contents of an MCAP log apart from samples; `None` for other formats.
     #[must_use]
     pub fn contents(&self) -> Option<&LogContents> {
         self.contents.as_deref()
     }
 
-    /// With another name in results, where the path that it was read from says nothing.
+    /// Renames the dataset in results, where the path from which it was read is not meaningful.
     #[must_use]
     pub fn with_name(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
 
-    /// With further warnings of whoever read it.
+    /// Adds warnings of the caller that read the dataset.
     #[must_use]
     pub fn with_warnings(mut self, warnings: impl IntoIterator<Item = Warning>) -> Self {
         self.warnings.extend(warnings);

@@ -12,7 +12,7 @@ const SIDE: usize = 3;
 /// Largest sum of the weights' magnitudes; above it a polynomial enlarges noise, and one of lower degree is used.
 const MOST_WEIGHT: f64 = 2.0;
 
-/// How a channel is resampled to a regular grid.
+/// Method by which a channel is resampled to a regular grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Carry {
     /// Zero-order hold: its mean from a point of the grid to the next.
@@ -21,7 +21,8 @@ pub enum Carry {
     Linear,
     /// The polynomial of fifth degree through the six nearest samples.
     Smooth,
-    /// The same polynomial, only at the grid's point nearest to each sample; other points have no value.
+    /// The polynomial of fifth degree through the six nearest samples, evaluated only at the grid point nearest to each sample;
+    /// other points have no value.
     Sampled,
 }
 

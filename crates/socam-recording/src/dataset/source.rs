@@ -1,4 +1,4 @@
-//! Where the samples of a dataset are: in memory, in a temporary file, or only in the recording's own file.
+//! Location of the samples of a dataset: in memory, in a temporary file, or only in the recording's own file.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use super::spill::Spill;
 use crate::part::Place;
 use crate::rows::Layout;
 
-/// Where a dataset's samples are.
+/// Location of a dataset's samples.
 #[derive(Debug, Clone)]
 pub(super) enum Source {
     Memory(Arc<Memory>),

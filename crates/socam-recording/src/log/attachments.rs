@@ -10,11 +10,11 @@ use crate::error::Result;
 /// A file that travels with a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attachment {
-    /// Its name, such as `model.toml`.
+    /// Name of the attachment, such as `model.toml`.
     pub name: String,
-    /// Its media type, such as `application/toml`.
+    /// Media type, such as `application/toml`.
     pub media_type: String,
-    /// Its content.
+    /// Content of the attachment.
     pub data: Vec<u8>,
 }
 

@@ -1,10 +1,10 @@
-//! What a log holds besides samples.
+//! Contents of a log apart from samples.
 
 use std::collections::BTreeMap;
 
 use super::sample::{Event, Status};
 
-/// What a log holds besides samples.
+/// Contents of a log apart from samples.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct LogContents {
     /// The program that wrote it.
@@ -24,7 +24,7 @@ pub struct LogContents {
 }
 
 impl LogContents {
-    /// What a cut recording whose last sample is at `last_s` lacks, in words.
+    /// Description of what is missing from a cut recording whose last sample is at `last_s`.
     pub(crate) fn missing_after(&self, last_s: Option<f64>) -> String {
         let last_s = last_s.unwrap_or(0.0);
         let rest = match self.planned_duration_s {
@@ -40,10 +40,10 @@ impl LogContents {
 /// An attachment's name and size.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct AttachmentInfo {
-    /// Its name.
+    /// Name of the attachment.
     pub name: String,
-    /// Its media type.
+    /// Media type of the attachment.
     pub media_type: String,
-    /// Its length, bytes.
+    /// Length of the attachment, bytes.
     pub bytes: u64,
 }

@@ -10,7 +10,8 @@ use crate::beside::create_beside;
 use crate::disk;
 use crate::error::{RecordingError, Result};
 
-/// Where a recording is written. Dropping it removes the file, unless [`LogFile::keep`] or [`LogFile::leave`] was called before.
+/// File to which a recording is written. Dropping it removes the file, unless [`LogFile::keep`] or [`LogFile::leave`] was called
+/// before.
 #[derive(Debug)]
 pub(super) struct LogFile {
     path: PathBuf,

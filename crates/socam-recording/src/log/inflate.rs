@@ -17,7 +17,7 @@ pub(super) fn inflated(body: &[u8]) -> Option<Cow<'_, [u8]>> {
         #[cfg(target_arch = "wasm32")]
         "zstd" => ruzstd::decoding::StreamingDecoder::new(&*data).ok()?.take(most).read_to_end(&mut records),
         "lz4" => lz4_flex::frame::FrameDecoder::new(&*data).take(most).read_to_end(&mut records),
-        // None, or one that the mcap crate refuses.
+        // The chunk is not compressed, or by a method that the mcap crate refuses.
         _ => return Some(body.into()),
     };
     (read.ok()? as u64 == most).then_some(())?;

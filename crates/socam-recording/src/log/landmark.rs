@@ -17,7 +17,8 @@ pub(super) const CHUNK_HEAD: usize = 44;
 /// Bytes searched at a time.
 const WINDOW: usize = 1 << 18;
 
-/// Content size, bytes, of a chunk whose body begins with `head` and is `length` bytes long; `None` where that is no head of a chunk.
+/// Content size, bytes, of a chunk whose body begins with `head` and is `length` bytes long; `None` if `head` is not the head of a
+/// chunk.
 pub(super) fn unpacked_bytes(head: &[u8], length: u64) -> Option<u64> {
     let name_bytes = u32::from_le_bytes(*head.get(28..)?.first_chunk()?);
     let name = head.get(32..)?.get(..name_bytes as usize)?;
@@ -27,7 +28,7 @@ pub(super) fn unpacked_bytes(head: &[u8], length: u64) -> Option<u64> {
     is_head.then(|| u64::from_le_bytes([16, 17, 18, 19, 20, 21, 22, 23].map(|byte| head[byte])))
 }
 
-/// Whether these bytes begin such a record, which ends within `left` bytes.
+/// Whether `bytes` begin a landmark (a chunk, our metadata, or the end of data) that ends within `left` bytes.
 fn is_landmark(bytes: &[u8], left: u64) -> bool {
     let Some((head, body)) = bytes.split_first_chunk::<{ RECORD_HEAD as usize }>() else { return false };
     let [opcode, length @ ..] = *head;
@@ -35,14 +36,14 @@ fn is_landmark(bytes: &[u8], left: u64) -> bool {
     let fits = length <= left.saturating_sub(RECORD_HEAD);
     match opcode {
         op::CHUNK => fits && unpacked_bytes(body, length).is_some(),
-        // After the length of its name.
+        // The name follows its length of 4 bytes.
         op::METADATA => fits && body.get(4..).is_some_and(|name| name.starts_with(METADATA_NAME.as_bytes())),
         op::DATA_END => fits && length == 4,
         _ => false,
     }
 }
 
-/// The first such record of a file of `length` bytes, from a byte on.
+/// Offset of the first landmark record at or after `from`, in a file of `length` bytes.
 pub(super) fn find(file: &mut (impl Read + Seek), from: u64, length: u64) -> io::Result<Option<u64>> {
     let mut window = Vec::new();
     let mut start = from;

@@ -19,7 +19,7 @@ struct Moment {
 }
 
 impl SampleOrder {
-    /// Of one sample.
+    /// Order of a single sample.
     pub(crate) fn of(time_s: f64, sequence: Option<u64>) -> Self {
         let moment = Moment { time_s, sequence };
         Self { first: Some(moment), last: Some(moment), ..Self::default() }

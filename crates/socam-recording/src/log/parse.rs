@@ -13,8 +13,8 @@ pub fn record(opcode: u8, body: &[u8]) -> Option<Record<'_>> {
     mcap::parse_record(opcode, body).ok()
 }
 
-/// What follows the texts of a record; `None` where one of them is longer than the record. mcap 0.26 allocates as many bytes as a text's
-/// length says, up to 4 GB, before it reads them (records.rs, `McapString`).
+/// Bytes that follow the texts of a record; `None` if a text would be longer than the record. This is checked because mcap 0.26
+/// allocates the length that a text states, up to 4 GB, before it reads the text (records.rs, `McapString`).
 fn texts(opcode: u8, body: &[u8]) -> Option<&[u8]> {
     // Bytes before the texts, number of texts, and whether a map of texts follows.
     let (before, count, has_map) = match opcode {

@@ -66,11 +66,11 @@ pub struct RecordingSummary {
     pub written: u64,
     /// Samples that are not in the file: `missed + overflowed + refused`.
     pub lost: u64,
-    /// Of these: never arrived, by jumps of their sequence numbers.
+    /// Lost samples that never arrived, counted by jumps of their sequence numbers.
     pub missed: u64,
-    /// Of these: dropped because the disk did not keep up, or had failed.
+    /// Lost samples that were dropped because the disk was too slow or had failed.
     pub overflowed: u64,
-    /// Of these: refused, because their time did not increase or their number of values was wrong.
+    /// Lost samples that were refused because their time did not increase or their number of values was wrong.
     pub refused: u64,
     /// Length of the file, bytes.
     pub bytes: u64,

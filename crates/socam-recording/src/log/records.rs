@@ -22,7 +22,7 @@ pub(crate) struct Records {
     pub(crate) path: PathBuf,
     file: BufReader<File>,
     pub(crate) length: u64,
-    /// Where the next record starts.
+    /// Offset of the next record, bytes.
     pub(crate) position: u64,
     body: Vec<u8>,
 }

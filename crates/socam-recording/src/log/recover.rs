@@ -16,14 +16,14 @@ use crate::error::{RecordingError, Result};
 use crate::output_file::OutputFile;
 use crate::{Dataset, Selection, Warning};
 
-/// What a recovery has found.
+/// Result of a recovery.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recovered {
     /// Samples in the new log.
     pub samples: u64,
     /// Samples that are known to be missing.
     pub lost: u64,
-    /// What is damaged or missing.
+    /// Warnings about damaged or missing parts.
     pub missing: Vec<Warning>,
 }
 
@@ -96,7 +96,7 @@ impl Copy<'_> {
                 inside.push((opcode, body.to_vec()));
                 Some(())
             });
-            // What a damaged chunk says of topics is better than nothing.
+            // Schemas and channels of a damaged chunk are used, since there may be no other source for them.
             inside.retain(|(opcode, _)| whole.is_some() || matches!(*opcode, op::SCHEMA | op::CHANNEL));
             inside.iter().try_for_each(|(opcode, body)| self.record(*opcode, body))?;
             if whole.is_some() {

@@ -39,9 +39,9 @@ pub struct Status {
 pub struct Event {
     /// The board's time since the recording's start, ns.
     pub device_time_ns: i64,
-    /// Its kind: `phase`, `stop`, `fault`, `start`, `note`; of a watch `baseline`, `alarm`, `alarm_end`.
+    /// Kind of the event: `phase`, `stop`, `fault`, `start`, `note`; with monitoring also `baseline`, `alarm`, `alarm_end`.
     pub kind: String,
-    /// Its text.
+    /// Text of the event.
     pub text: String,
 }
 

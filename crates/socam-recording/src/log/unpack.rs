@@ -11,7 +11,7 @@ use crate::table::Table;
 
 /// Consecutive records: one chunk, or some outside chunks.
 pub(super) struct Group {
-    /// Where the first one starts.
+    /// Offset of the first record, bytes.
     pub(super) byte: u64,
     pub(super) records: Vec<Raw>,
 }

@@ -19,7 +19,7 @@ use crate::error::{RecordingError, Result};
 /// Uncompressed bytes at which a chunk is closed before the interval of flushes ends.
 const CHUNK_BYTES: u64 = 1 << 20;
 
-/// What is known about a recording before its first sample.
+/// Facts about a recording that are known before its first sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordingHeader {
     /// Channels, in the order of every row's values.

@@ -1,4 +1,5 @@
-//! What a recorder does to its log and its file, and in which order: it decides what a death of the process or a loss of power leaves.
+//! Order of a recorder's operations on its log and file, which determines what is left after a crash of the process or a loss of
+//! power.
 
 use std::fs::File;
 
@@ -17,7 +18,7 @@ pub(super) struct Writing {
 }
 
 impl Writing {
-    /// Goes on with a log whose header is written, and syncs it: without the header no later sample could be read.
+    /// Continues with a log whose header is written, and syncs it: without the header no later sample could be read.
     pub(super) fn begin(log: LogWriter, file: LogFile) -> Result<Self> {
         let mut writing = Self { log, file };
         writing.sync()?;

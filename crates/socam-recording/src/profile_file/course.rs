@@ -44,7 +44,7 @@ pub enum Course {
         order: u8,
         seed: u16,
     },
-    /// Here `amplitude` is the peak of the sum.
+    /// A sum of sines, of which `amplitude` is the peak.
     Multisine {
         offset: f64,
         amplitude: f64,

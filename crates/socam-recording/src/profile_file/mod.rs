@@ -29,9 +29,9 @@ use course::{LARGEST, LONGEST_S, SHORTEST_S, read_course, us, word, write_course
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProfileFile {
-    /// When to use it, in one sentence.
+    /// Purpose of the profile, in one sentence.
     pub purpose: Option<String>,
-    /// What is commanded.
+    /// Quantity that is commanded.
     pub command: Command,
     /// The command over time.
     pub course: Course,

@@ -89,7 +89,7 @@ fn rests_coarse_encoders_and_turning_points_are_not_clipped() {
         let found = held(&data, &[0]).unwrap();
         assert!(found.is_empty(), "{name}: {:?}", check.findings);
     };
-    // To one end of its travel and back, with rests at both ends, several times.
+    // The axis travels from one end to the other and back several times, with rests at both ends.
     let travel = |t: f64| (1.5 * (TAU * 0.2 * t).sin()).clamp(-1.0, 1.0);
     not_held("position", Unit::Rad, &|_, t| quantised(travel(t), TAU / 8192.0));
     not_held("ball_screw", Unit::M, &|i, t| quantised(travel(t) + 1e-4 * noise(i, 1), 3e-4));

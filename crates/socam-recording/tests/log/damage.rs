@@ -41,7 +41,7 @@ fn a_log_cut_at_any_byte_opens_to_its_last_whole_chunk() {
     assert_eq!(*steps.last().unwrap(), 2000);
 }
 
-/// Where each chunk starts.
+/// Offset of each chunk, bytes.
 pub(crate) fn chunks(bytes: &[u8]) -> Vec<usize> {
     let mut starts = Vec::new();
     let mut byte = 8;

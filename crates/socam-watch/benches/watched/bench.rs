@@ -1,4 +1,4 @@
-//! Virtual benches that are watched: never exactly their model, with sensors whose noise is partly coloured.
+//! Simulated benches for monitoring: they differ from their model, and some sensors have coloured noise.
 
 use socam_model::Model;
 use socam_recording::{Dataset, ProfileFile};
@@ -23,7 +23,7 @@ pub(crate) struct Bench {
     number: u64,
 }
 
-/// What changes in mid-run.
+/// A change in the middle of a run.
 pub(crate) enum Change {
     Effect(String),
     /// A parameter, times a factor.
@@ -45,7 +45,7 @@ impl Bench {
         Self { model, healthy: healthy.to_vec(), profile, seed, number }
     }
 
-    /// Records so many seconds; `run` gives other noise. The change begins at its time, s.
+    /// Records `duration_s` seconds; each `run` has different noise. The change begins at the time given with it, s.
     pub(crate) fn record(
         &self,
         run: u64,

@@ -11,7 +11,7 @@ const TICKS: u32 = 6_000_000;
 const PERIOD_US: u32 = 100;
 const CHANNELS: u8 = 4;
 const HEARTBEAT_EVERY: u32 = 1000;
-/// One byte in so many.
+/// One byte in this number is damaged.
 const DAMAGED: u64 = 1000;
 
 /// What a channel reads at a tick: every sample differs from the one before and from its neighbours.

@@ -1,4 +1,5 @@
-//! What of a realistic bench's background a diagnosis may name, and how the background changes what a right interval holds.
+//! Background of a realistic bench: the parts that a diagnosis may name, and the effect of the background on what a correct
+//! interval contains.
 
 use socam_diagnose::document::Finding;
 use socam_sim::challenge::{Background, Case, Drive, Hidden, Measure};

@@ -32,7 +32,7 @@ pub(super) fn run<T: Sync, R: Send>(
     Ok(answers.into_iter().map(|(_, answer)| answer).collect())
 }
 
-/// On a terminal only.
+/// Prints the progress, on a terminal only.
 fn tell(done: usize, total: usize) {
     let mut stderr = std::io::stderr();
     if stderr.is_terminal() {

@@ -12,7 +12,7 @@ use socam_sim::challenge::{Case, Recordings};
 #[derive(Debug, Clone)]
 pub(super) struct Folder(PathBuf);
 
-/// One of a case's files.
+/// A file of a case.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum File {
     /// The truth: written before the diagnosis, opened after its answer is on disk.

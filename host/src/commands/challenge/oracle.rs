@@ -93,7 +93,8 @@ pub(super) fn is_equivalent(
     answer().unwrap_or(false)
 }
 
-/// The base model at the true parameters with some of the hidden effects by the laws of the catalogue, whose parameters are fitted.
+/// The base model at the true parameters, with some of the hidden effects. Their laws are those of the catalogue, and the
+/// parameters of these laws are fitted.
 fn told(case: &Case, hidden: &[Hidden]) -> anyhow::Result<Model> {
     let mut model = case.base()?;
     for hidden in hidden.iter().filter(|hidden| effects::find(&hidden.effect).is_some()) {

@@ -20,7 +20,7 @@ pub(super) fn log_score(probabilities: &[f64]) -> Option<f64> {
 /// Statements with a probability in one bin.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Bin {
-    /// From and to.
+    /// Lower and upper bound of the stated probability.
     pub(super) stated: [f64; 2],
     /// Mean stated probability.
     pub(super) mean: Option<f64>,

@@ -72,7 +72,7 @@ mod tests {
         assert!(none[0] == 0.0 && (none[1] - 0.918).abs() < 1e-3, "{none:?}");
     }
 
-    /// 1 - 0.99^20, and one minus the chance of none or one of 20.
+    /// The expected values are 1 - 0.99^20, and one minus the probability of none or one of 20.
     #[test]
     fn alarms_are_compared_with_the_stated_rate() {
         let one = as_many_by_chance(&Rate::of((0..20).map(|n| n < 1)), 0.01).unwrap();

@@ -43,8 +43,8 @@ struct Part {
     log_score_of: usize,
     /// Calibration of the stated probabilities.
     calibration: Vec<Bin>,
-    /// Rate of correct answers whose corrected model predicts all channels within 1.15 times their noise, of benches that hide effects of the
-    /// catalogue.
+    /// Rate of correct answers whose corrected model predicts all channels within 1.15 times their noise, among benches that hide
+    /// effects of the catalogue.
     at_the_floor: Rate,
 }
 
@@ -65,9 +65,10 @@ struct KindReport {
     kind: Kind,
     cases: usize,
     detectable: usize,
-    /// Of those that can be detected; of benches with nothing hidden, of all: no false alarm.
+    /// Rate of correct answers among cases that can be detected; for benches with nothing hidden, the rate of cases without a false
+    /// alarm.
     right: Rate,
-    /// Of all, for where nothing can be detected a name is wrong all the more.
+    /// Rate of wrong names among all cases, including those in which nothing can be detected.
     wrong_name: Rate,
     failed: usize,
     /// Processor time of a diagnosis, s.

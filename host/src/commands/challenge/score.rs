@@ -45,7 +45,7 @@ pub(super) struct Score {
     pub(super) stated_false_alarm_rate: Option<f64>,
     /// Stated probability of each hidden effect of the catalogue; 0 if it is not mentioned.
     pub(super) probability: Vec<f64>,
-    /// Each finding and rival: its weight, and whether it was hidden.
+    /// Weight of each finding and rival, and whether it was hidden.
     pub(super) statements: Vec<(f64, bool)>,
     /// Whether all channels are predicted down to their noise with all findings, curves included; of right answers only.
     pub(super) at_the_floor: Option<bool>,
@@ -210,15 +210,15 @@ fn probabilities(case: &Case, findings: &[Finding]) -> Vec<f64> {
     case.hidden.iter().map(given).collect()
 }
 
-/// Of a finding and its rivals: effect, place and weight.
+/// Effect, place and weight of a finding and of each of its rivals.
 fn weights(finding: &Finding) -> impl Iterator<Item = (&str, &str, f64)> {
     let rivals =
         finding.rivals.iter().map(|rival| (rival.effect.as_str(), rival.location.as_str(), rival.weight));
     std::iter::once((finding.effect.as_str(), finding.location.as_str(), own_weight(finding))).chain(rivals)
 }
 
-/// Of each statement with a name, its weight and whether it is true, of what is hidden or of the background; none where the truth has no
-/// name.
+/// Weight of each named statement, and whether it is true of the hidden effects or of the background; empty if the hidden effect
+/// has no name.
 fn statements(case: &Case, finding: &Finding) -> Vec<(f64, bool)> {
     if case.kind == Kind::Outside {
         return Vec::new();

@@ -108,7 +108,7 @@ fn one_family_can_be_tried_alone() {
     assert!(scores.iter().all(|score| score.family == "link"));
 }
 
-/// On a rigid shaft a pull at one end is a pull at the other; friction is something else.
+/// On a rigid shaft a torque at one end is equivalent to a torque at the other end; friction is not.
 #[test]
 fn equivalence_is_computed_from_the_recordings() {
     let is_rigid = |number: &u64| Kind::of(*number) == Kind::Clean && family_of(1, *number) == "rigid-servo";
@@ -138,7 +138,7 @@ fn fitted(case: &Case, max_iterations: usize) -> (Vec<f64>, bool) {
     let left = fit.fit.channels.iter().map(|(name, fit)| (fit.rms / case.noise_floor(name)).powi(2));
     let is_true = |known: &socam_sim::challenge::Parameter| {
         let found = fit.parameters.iter().find(|found| found.name == known.name).unwrap();
-        // What the data do not determine has no value.
+        // Parameters that the data do not determine have no value.
         found.value.is_none_or(|value| (value / known.value - 1.0).abs() < 0.03)
     };
     (left.collect(), case.machine.parameters.iter().all(is_true))

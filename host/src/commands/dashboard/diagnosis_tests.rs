@@ -54,7 +54,7 @@ fn a_diagnosis_in_the_window_says_how_far_it_is_is_cancelled_and_runs_to_its_end
     assert!(!window.state().is_busy());
     window.get_by_label("No diagnosis yet");
 
-    // What was held out still is.
+    // The recording that was held out is still held out.
     press(&mut window, "Diagnose");
     until(&mut window, "progress", progress);
     until(&mut window, "the end", |window| !window.state().is_busy());

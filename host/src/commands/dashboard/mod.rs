@@ -121,7 +121,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     Ok(outcome(&dashboard))
 }
 
-/// Of a picture: whether its recordings are whole; says what they lack.
+/// Outcome of drawing a picture: whether its recordings are whole. Prints what they lack.
 fn outcome(dashboard: &Dashboard) -> Outcome {
     let recordings = dashboard.workspace.entries.iter().map(|entry| &entry.recording.about);
     let incomplete: Vec<_> = recordings.filter(|about| about.is_incomplete).collect();

@@ -18,7 +18,7 @@ pub(super) struct Show {
     period_us: u32,
     last_tick: Option<u32>,
     time_us: u64,
-    /// When the latest samples came, and whether the board has been set up since.
+    /// Time of the latest samples, and whether the board has been set up since.
     heard: Instant,
     is_after_setup: bool,
     samples: SampleQueue,

@@ -219,7 +219,7 @@ fn six_channels_at_ten_kilohertz_are_recorded_whole_while_they_are_shown() {
     let long = Settings { duration_s: 60.0, ..Settings::default() };
     window.state_mut().workspace.signal.change(long);
     running(&mut window);
-    // What the eye sees is the last ten seconds: they fill up first.
+    // The charts show the last ten seconds, so the test waits until these are filled.
     let full = 90_000;
     until(&mut window, "a full picture", |window| window.state().workspace.bench.buffer().rows() > full);
     let begin = Instant::now();

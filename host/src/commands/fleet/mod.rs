@@ -111,7 +111,7 @@ fn diagnose(args: &Args) -> anyhow::Result<bool> {
     // The recordings that are begun, or at once.
     interrupt.answer(1);
     let progress = Progress::new(sources.len(), interrupt.clone());
-    // What a panic says is in its row.
+    // The message of a panic is in the row.
     std::panic::set_hook(Box::new(|_| {}));
     let done = socam_fleet::run(&sources, (&model, &options, args.row.seed), workers, &mut part, &progress);
     let _ = std::panic::take_hook();
@@ -160,7 +160,7 @@ fn keep(output: &Path, part: &mut Part) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What the reference shows: read from a file, or found from recordings.
+/// Noise reference, read from a file or computed from recordings.
 fn reference(
     args: &Args,
     (model, options): (&Model, &FleetOptions),

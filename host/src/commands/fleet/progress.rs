@@ -1,4 +1,4 @@
-//! How far a fleet is, on a terminal's stderr only; and Ctrl-C.
+//! Progress of a fleet, on a terminal's stderr only; and Ctrl-C.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use socam_fleet::Observer;

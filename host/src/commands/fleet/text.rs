@@ -1,4 +1,4 @@
-//! What a fleet says, as text.
+//! Results of a fleet as text.
 
 use socam_fleet::{Counts, Summary};
 

@@ -178,7 +178,7 @@ impl Answer {
         rows
     }
 
-    /// How each search ended, one sentence each.
+    /// Reason for which each search ended, one sentence each.
     fn ends(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         if let Some(bound) = self.economised_bound {

@@ -50,7 +50,7 @@ pub(super) fn response_file(path: &Path, output: &str) -> anyhow::Result<Option<
             })
         };
         let response = Complex::new(number(re)?, number(im)?);
-        // Without standard deviations all lines have the same relative one.
+        // Lines without standard deviations all get the same relative one.
         let std = std.map_or(Ok(0.01 * response.norm()), number)?;
         found.push(Line {
             frequency_hz: number(frequency)?,

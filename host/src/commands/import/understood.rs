@@ -31,7 +31,7 @@ fn rate(rate_hz: Option<f64>) -> String {
     rate_hz.map_or_else(|| "?".into(), number)
 }
 
-/// What became of each signal.
+/// Table of the interpretation of each signal.
 pub(super) fn imported(imported: &Imported) -> String {
     let head =
         ["channel", "from", "unit", "SI per unit", "values", "rate, Hz", "lowest, SI", "highest, SI", ""];
@@ -54,7 +54,7 @@ pub(super) fn imported(imported: &Imported) -> String {
     align(&rows, &[false, false, false, true, true, true, true, true, false]).trim_end().to_owned()
 }
 
-/// What a file seems to hold, and what it does not say.
+/// Table of the probable contents of a file, and of the facts that it does not state.
 pub(super) fn proposed(proposal: &Proposal) -> String {
     let head = ["signal", "unit", "lowest", "highest", "values", "rate, Hz", "channel"];
     let row = |proposed: &Proposed| {

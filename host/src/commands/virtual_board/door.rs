@@ -69,13 +69,13 @@ impl Door {
         });
     }
 
-    /// Runs beside the board, whose time must not wait.
+    /// Runs `work` in a thread beside the board, whose time must not wait.
     fn aside(&self, work: impl FnOnce() + Send + 'static) {
         if Arc::strong_count(&self.waiting) > MOST_AT_THE_DOOR {
             return;
         }
         let place = Arc::clone(&self.waiting);
-        // Without a thread the connection is closed.
+        // If no thread can be started, the connection is closed.
         let _ = std::thread::Builder::new().name("door".into()).spawn(move || {
             work();
             drop(place);
@@ -113,7 +113,7 @@ pub(super) fn refuse(mut stream: TcpStream, why: &str) {
         .and_then(|()| stream.set_read_timeout(Some(PATIENCE)))
         .and_then(|()| stream.write_all(format!("{REFUSAL_LINE}{why}\n").as_bytes()))
         .and_then(|()| stream.shutdown(Shutdown::Write));
-    // At most 256 reads, whoever keeps talking.
+    // At most 256 reads are made, however much the client sends.
     if said.is_ok() {
         let _ = (0..256).try_for_each(|_| stream.read(&mut rest).ok().filter(|count| *count > 0).map(drop));
     }

@@ -1,4 +1,4 @@
-//! What a calibration adds to a run: the recorded columns, and channel names in faults.
+//! Effect of a calibration on a run: the recorded columns, and channel names in faults.
 
 use socam_core::{Fault, Flags, Sample};
 use socam_recording::{Calibration, Channel};
@@ -20,7 +20,7 @@ impl Columns {
         Self { channels: channels.collect(), recorded }
     }
 
-    /// Those of a value per channel that belong to recorded channels.
+    /// The values of recorded channels, out of one value for each channel.
     #[cfg(feature = "window")]
     pub(crate) fn recorded<T>(&self, all: Vec<T>) -> Vec<T> {
         all.into_iter()

@@ -1,9 +1,9 @@
-//! When a run should end, by its samples, and what a run that ends at another time means.
+//! Planned end of a run, and the interpretation of a run that ends at another time.
 
-/// How much earlier than planned a profile may end, by the last sample that arrived: the samples after it may be lost.
+/// Largest time by which a profile may end earlier than planned, by the last sample that arrived: the samples after it may be lost.
 const EARLY_NS: i64 = 500_000_000;
 
-/// How much longer than planned a run may last before the host stops it; and how much longer the board may take to come to rest then.
+/// Largest time by which a run may exceed its plan before the host stops it; then the time in which the board must come to rest.
 const OVER_NS: i64 = 2_000_000_000;
 const REST_NS: i64 = 10_000_000_000;
 
@@ -17,7 +17,7 @@ pub(super) struct Deadline {
     is_missed: bool,
 }
 
-/// What to do with a run that lasts too long.
+/// Action on a run that lasts too long.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Overdue {
     No,
@@ -31,7 +31,7 @@ impl Deadline {
         Self { planned_ns: ns(planned_us), ramp_ns: ns(ramp_us), is_missed: false }
     }
 
-    /// What to do with a run that lasts until now; it is stopped once.
+    /// Action on a run that has lasted until now; it is stopped only once.
     pub(super) fn check(&mut self, now_ns: i64) -> Overdue {
         let over_ns = now_ns - self.planned_ns.saturating_add(self.ramp_ns);
         match over_ns {
@@ -61,7 +61,7 @@ impl Deadline {
         })
     }
 
-    /// What is said of a board that does not stop either.
+    /// Message about a board that does not stop either.
     pub(super) fn given_up(&self) -> String {
         format!(
             "the board does not end its profile of {:.3} s and does not stop: use the bench's emergency stop",

@@ -1,4 +1,4 @@
-//! What a run needs, and what it returns.
+//! Plan and result of a run.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ impl Plan {
     }
 }
 
-/// How a run ended; what was recorded is kept in any case.
+/// End of a run; the recorded samples are kept in any case.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum End {
     /// The profile has ended.
@@ -52,11 +52,11 @@ pub(crate) enum End {
 pub(crate) struct Report {
     /// Counts of the recording.
     pub(crate) summary: RecordingSummary,
-    /// How it ended.
+    /// End of the run.
     pub(crate) end: End,
     /// Time from the first to the last sample, s.
     pub(crate) duration_s: f64,
-    /// Where the board reads the drive's enable line back.
+    /// Place at which the board reads the drive's enable line back.
     pub(crate) enable_feedback: EnableFeedback,
 }
 

@@ -38,7 +38,7 @@ pub(super) fn prepare(session: &mut Session, plan: &Plan) -> anyhow::Result<()> 
     session.request(Request::Load(plan.profile))?.context("the board refuses the profile")
 }
 
-/// Refuses a board whose program is damaged, and says what a board cannot check of itself.
+/// Refuses a board whose program is damaged, and lists the checks that a board cannot do on itself.
 fn judge(identity: &Identity) -> anyhow::Result<()> {
     match identity.image {
         Image::Whole => {}

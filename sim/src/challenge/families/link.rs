@@ -17,7 +17,7 @@ pub(super) fn draw(draw: &mut Draw) -> Machine {
     let link = machine.body("link", 0.9 * link_inertia, Known::Open);
     machine.gear("reducer", (motor, flange), ratio);
     machine.shaft("link_shaft", (flange, link));
-    // Its pendulum frequency is about 1 Hz.
+    // The link's pendulum frequency is about 1 Hz.
     let swing = TAU * draw.between(0.6, 1.1);
     let torque = machine.number("link_gravity", Sort::Torque, all * swing * swing, Known::Open);
     machine.gravity = Some((link, torque));

@@ -13,7 +13,7 @@ pub(super) fn draw(draw: &mut Draw) -> Machine {
     // The loop is slower than the coupling's resonance, so that it is stable.
     let pace = draw.between(8.0, 20.0);
     machine.control = Control::Speed { proportional: inertia * pace, integral: 0.25 * inertia * pace * pace };
-    // At this speed, changes of the profile need about the drive's torque.
+    // With this speed amplitude, changes of the profile need about the torque that the drive has.
     machine.amplitude = torque / (inertia * pace);
     machine
 }

@@ -55,7 +55,7 @@ fn law(machine: &Machine, hidden: &Hidden, p: &[f64]) -> Result<(Kind, Vec<f64>)
         "quadratic_drag" => (Kind::Drag, all()),
         "damping_drift" => (Kind::WarmingUp, vec![own[0], p[0]]),
         "direction_dependence" => (Kind::Direction, all()),
-        // As in the catalogue: T = -torque.
+        // The law of the catalogue is T = -torque.
         "constant_load" => (Kind::Constant, vec![-p[0]]),
         "mesh_loss" => (Kind::Loss, all()),
         "backlash" => (Kind::Play, all()),
@@ -63,7 +63,7 @@ fn law(machine: &Machine, hidden: &Hidden, p: &[f64]) -> Result<(Kind, Vec<f64>)
         "stiffness_hardening" => (Kind::Hardening, all()),
         "hysteresis" => (Kind::Sliders, all()),
         "coupling_slip" => (Kind::Slip, all()),
-        // As in the catalogue: T = -torque sin(angle + phase).
+        // The law of the catalogue is T = -torque sin(angle + phase).
         "gravity_unbalance" => (Kind::AngleTorque, vec![-p[0], 1.0, p[1]]),
         "torque_ripple" => (Kind::AngleTorque, vec![p[1], p[0], p[2]]),
         "external_disturbance" => (Kind::Shake, all()),

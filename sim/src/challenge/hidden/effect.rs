@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A hidden effect with its parameters, SI.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Hidden {
-    /// Its id in the catalogue, or the name of a kind outside of it.
+    /// Id of the effect in the catalogue, or the name of a kind outside of it.
     pub effect: String,
     /// Place or channel.
     pub place: String,

@@ -1,4 +1,4 @@
-//! What can be hidden in a machine, where, and how large.
+//! Effects that can be hidden in a machine, their places and their sizes.
 
 mod conceal;
 mod effect;

@@ -1,4 +1,4 @@
-//! Where an effect can be hidden in a machine.
+//! Places at which an effect can be hidden in a machine.
 
 use crate::challenge::machine::{Drive, Machine, Measure};
 use crate::challenge::motion::Motion;

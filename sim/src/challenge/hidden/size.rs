@@ -1,4 +1,4 @@
-//! How large a hidden effect is: a share of the machine's own motion (see [`Scales`]), from just detectable to gross.
+//! Sizes of hidden effects: a share of the machine's own motion (see [`Scales`]), from just detectable to gross.
 
 use std::f64::consts::TAU;
 

@@ -20,7 +20,7 @@ pub struct Diagnose {
     /// The diagnosis that is shown.
     pub page: DiagnosisPage,
     maker: Maker,
-    /// What only a diagnosis that was made here has.
+    /// Data that only a diagnosis made here has.
     made: Option<Made>,
 }
 

@@ -1,4 +1,4 @@
-//! What can be done with a diagnosis that was made here: its report is saved, its model used.
+//! Actions on a diagnosis that was made here: saving its report, using its model.
 
 use std::path::Path;
 
@@ -11,16 +11,16 @@ use crate::diagnosis::Shown;
 use socam_workbench::purpose::Purpose;
 use socam_workbench::{Content, Request, Workspace};
 
-/// What only a diagnosis that was made here has.
+/// Data that only a diagnosis made here has.
 #[derive(Debug, Clone)]
 pub(super) struct Made {
     /// Text of the corrected model's file.
     pub(super) model_toml: String,
-    /// When it was made, and from which files.
+    /// Time of the diagnosis, and the files on which it is based.
     pub(super) provenance: Provenance,
 }
 
-/// When a diagnosis is made, and the hashes of its model and recordings; those that are in memory only have none.
+/// Time of a diagnosis, and the hashes of its model and recordings; recordings that are only in memory have no hash.
 pub(super) fn provenance<'a>(
     model: &Model,
     files: impl Iterator<Item = (&'a str, &'a Path)>,
@@ -37,7 +37,7 @@ pub(super) fn provenance<'a>(
     })
 }
 
-/// What a report is written from.
+/// Data from which a report is written.
 #[derive(Debug)]
 struct Report {
     diagnosis: Diagnosis,

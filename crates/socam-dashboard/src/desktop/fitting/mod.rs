@@ -1,4 +1,4 @@
-//! What an identification and a diagnosis share: the set-up as it is drawn; opened recordings; progress.
+//! Common parts of identification and diagnosis: the set-up as it is drawn, opened recordings, progress.
 
 mod follow;
 mod opened;

@@ -1,4 +1,4 @@
-//! What each open recording is used for.
+//! Choice of the role of each open recording.
 
 use egui::{RichText, Ui};
 

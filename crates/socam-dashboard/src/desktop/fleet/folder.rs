@@ -9,13 +9,13 @@ use socam_chart::theme;
 use socam_workbench::View;
 use socam_workbench::{Request, Workspace};
 
-/// Where recordings are.
+/// Search for the folder of the recordings.
 #[derive(Debug, Default)]
 pub(super) struct Folder {
-    /// Where the last one was found, or where the user said.
+    /// Folder in which the last recording was found, or that the user chose.
     known: Option<PathBuf>,
     typed: String,
-    /// Those that were not found.
+    /// Recordings that were not found.
     lost: Vec<String>,
     /// Whether it was said which model the fleet has.
     has_said_model: bool,
@@ -108,7 +108,7 @@ impl Folder {
     }
 }
 
-/// What to do for a model that only its file has.
+/// Text on what to do if the fleet's model is not built in.
 pub(super) fn unknown_model(opened: &Opened) -> String {
     format!(
         "the model {} of this fleet is not built in: start the dashboard with --model and its file, or open the file, to compare recordings with it",

@@ -9,7 +9,7 @@ use socam_fleet::{Group, Spread, words};
 use socam_chart::chart::{Chart, Curve, MarkerShape, Seen, Style, range_of};
 use socam_chart::theme;
 
-/// Where on the horizontal axis something stands, and what the axis is.
+/// Positions of points on the horizontal axis, and the label of the axis.
 struct Places {
     x: Vec<Option<f64>>,
     label: String,

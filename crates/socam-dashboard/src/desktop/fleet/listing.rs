@@ -1,4 +1,4 @@
-//! What is listed at a false discovery rate, and the machines in the order in which they are shown.
+//! Machines and parameters that are listed at a false discovery rate, and the order in which machines are shown.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -8,11 +8,11 @@ use socam_fleet::{Group, Machine, Summary, Survey};
 
 use socam_chart::table::{Key, Sorting, sorted};
 
-/// What stands out at a false discovery rate.
+/// Results at a false discovery rate.
 #[derive(Debug)]
 pub(super) struct Listing {
     pub(super) summary: Summary,
-    /// Of each machine of the survey.
+    /// Lines, one for each machine of the survey.
     pub(super) lines: Vec<Line>,
     /// Number of machines that stand out.
     pub(super) notable: usize,
@@ -20,7 +20,7 @@ pub(super) struct Listing {
     kept: Option<(Wish, Arc<[usize]>)>,
 }
 
-/// How a machine stands out.
+/// Results for one machine.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Line {
     /// Whether it lacks physics.
@@ -37,10 +37,10 @@ impl Line {
     }
 }
 
-/// Which machines are shown, and in which order.
+/// Filter and order of the machines that are shown.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Wish {
-    /// What their names hold.
+    /// Text that the names must contain.
     pub(super) search: String,
     /// Only those that stand out.
     pub(super) only_notable: bool,
@@ -88,7 +88,7 @@ impl Listing {
         let places: Vec<usize> = (0..survey.machines.len()).filter(is_wanted).collect();
         let key = |place: &usize| match wish.sorting {
             Some(by) => self.key(&survey.machines[*place], *place, by.column),
-            // At first those that stand out, the clearest before the others.
+            // Without a choice of the user, machines that stand out come first, in the order of their p-values.
             None => {
                 let behind = if self.lines[*place].is_notable() { 0.0 } else { 2.0 };
                 Key::Number(behind + survey.machines[*place].p_and_q.map_or(1.0, |(p, _)| p))
@@ -118,7 +118,7 @@ impl Listing {
         }
     }
 
-    /// What a machine that is listed lacks, in words; empty for the others, on which chance makes some findings.
+    /// Missing effects of a listed machine, as text. Empty for other machines, on which chance makes some findings.
     pub(super) fn missing(&self, machine: &Machine, place: usize) -> String {
         if !self.lines[place].lacks {
             return String::new();

@@ -1,4 +1,4 @@
-//! What stands out at the chosen rate, as tables: parameters that change, machines that differ, recordings without a verdict.
+//! Tables of results at the chosen rate: parameters that change, machines that differ, recordings without a verdict.
 
 use egui::{Button, Label, RichText, Role, ScrollArea, Ui, WidgetInfo};
 use socam_fleet::words;

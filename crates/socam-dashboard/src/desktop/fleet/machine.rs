@@ -153,7 +153,7 @@ impl Fleet {
         open
     }
 
-    /// Its parameters: those that change first, then those that differ, then the others.
+    /// Draws the parameters of the machine: those that change first, then those that differ, then the others.
     fn histories(&self, ui: &mut Ui, place: usize, seen: &mut Vec<Seen>) {
         let (survey, summary) = (&self.opened.survey, &self.listing.summary);
         let machine = survey.machines[place].name.as_str();
@@ -207,7 +207,8 @@ impl Fleet {
     }
 }
 
-/// What is said of a parameter, above its chart; a line is left where nothing is, so that charts beside each other align.
+/// Draws the remark on a parameter above its chart. An empty line is left where there is no remark, so that neighbouring charts
+/// align.
 fn remark(ui: &mut Ui, says: &[&str]) {
     ui.horizontal(|ui| {
         if !says.is_empty() {

@@ -179,7 +179,7 @@ impl Fleet {
         self.selected.is_some_and(|place| self.page.place != Some(place))
     }
 
-    /// What is in the table's file name.
+    /// Short name of the table's file.
     fn file(&self) -> String {
         socam_workbench::recording::short(&self.opened.path.display().to_string()).to_owned()
     }

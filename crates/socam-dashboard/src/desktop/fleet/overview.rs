@@ -1,4 +1,4 @@
-//! What all machines say together.
+//! Overview over all machines.
 
 use egui::{Button, DragValue, Frame, Label, Margin, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2};
 use socam_fleet::{Group, Summary, words};
@@ -16,7 +16,7 @@ const LEAST_FDR: f64 = 0.001;
 /// Least height of the chart below the findings, points.
 const CHART: f32 = 170.0;
 
-/// What is listed.
+/// Kind of list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Section {
     #[default]

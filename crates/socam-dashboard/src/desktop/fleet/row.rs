@@ -26,7 +26,7 @@ fn day(row: &Row) -> String {
     row.date.map_or_else(|| "-".into(), words::day)
 }
 
-/// What was found or why nothing was, in few words.
+/// Findings in few words, or the reason why there are none.
 fn what(row: &Row) -> String {
     let material = row.findings.iter().filter(|finding| finding.material);
     let names: Vec<String> = material.map(|one| listing::at(&one.effect, &one.place)).collect();
@@ -89,7 +89,7 @@ pub(super) fn arrow(ui: &mut Ui, row: &Row, is_open: bool) -> bool {
     response.clicked()
 }
 
-/// What was found, in sentences, and warnings.
+/// Draws findings, in sentences, and warnings.
 pub(super) fn details(ui: &mut Ui, row: &Row) {
     ui.label(RichText::new(&row.recording).small().color(theme::weak(ui)));
     if !row.message.is_empty() {

@@ -18,7 +18,7 @@ use crate::view::{Help, ViewPanel};
 pub struct Identify {
     /// The identification that is shown.
     pub page: IdentificationPage,
-    /// What only an identification that was made here has.
+    /// Data that only an identification made here has.
     found: Option<run::Found>,
     start: start::Start,
     pictures: predictions::Pictures,

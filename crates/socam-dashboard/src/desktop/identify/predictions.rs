@@ -80,7 +80,7 @@ fn samples(traces: &[&Traces]) -> Samples {
     Samples::in_memory(time_s, &columns, segments)
 }
 
-/// What is drawn, and which part of it.
+/// Signals that are drawn, and the part of them that is shown.
 #[derive(Debug, Default)]
 pub(super) struct Pictures {
     recording: usize,

@@ -13,24 +13,24 @@ use socam_workbench::purpose::Purpose;
 use socam_workbench::setup::Chosen;
 use socam_workbench::{Content, Request, Workspace};
 
-/// How parameters are estimated.
+/// Method of estimation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Method {
-    /// By the errors of the simulated outputs.
+    /// Parameters are estimated from the errors of the simulated outputs.
     #[default]
     OutputError,
-    /// By regression of the force on the motion.
+    /// Parameters are estimated by regression of the force on the motion.
     InverseDynamics,
 }
 
-/// What was found.
+/// Result of an identification.
 #[derive(Debug)]
 pub(super) struct Found {
     /// The document of `identify --json`.
     document: Value,
-    /// Its fields that are shown.
+    /// Fields of the document that are shown.
     pub(super) shown: Identification,
-    /// The model with what was found.
+    /// The model with the identified parameters.
     model: Model,
     /// Measured and predicted signals.
     pub(super) predictions: Vec<Predicted>,
@@ -77,7 +77,7 @@ pub(super) fn identify(
     Ok(Found { document, shown, model, predictions })
 }
 
-/// The model with gains of sensors whose calibration travels with the recordings, and warnings.
+/// The model with gains of sensors whose calibration is part of the recordings, and warnings.
 fn with_gains(chosen: &Chosen, method: Method) -> Result<(Model, Vec<String>), String> {
     let paths = chosen.training.iter().filter_map(|recording| recording.path());
     let (calibration, warnings) = socam_calibrate::sensors::of_recordings(paths);

@@ -14,7 +14,8 @@ const ARM: KeyboardShortcut = with_two(Key::A);
 const RUN: KeyboardShortcut = with_two(Key::R);
 const STOP: KeyboardShortcut = with_two(Key::D);
 
-/// Two modifiers: no slip of a finger moves the bench. Letters whose shortcut with Ctrl alone is another command are not used.
+/// Shortcut with two modifiers, so that no slip of a finger moves the bench. Letters whose shortcut with Ctrl alone is another
+/// command are not used.
 const fn with_two(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
 }
@@ -24,11 +25,11 @@ const BUTTON: egui::Vec2 = vec2(82.0, 30.0);
 const WORDS_HEIGHT: f32 = 36.0;
 const GAP: f32 = 6.0;
 
-/// What the line of words says.
+/// Content of the line of text.
 struct Words {
     text: String,
     is_grave: bool,
-    /// A button that puts them away.
+    /// Label of a button that removes the text.
     action: Option<&'static str>,
 }
 
@@ -36,7 +37,7 @@ struct Words {
 pub(super) fn draw(ui: &mut Ui, workspace: &mut Workspace) {
     let height = BUTTON.y + GAP + WORDS_HEIGHT;
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), egui::Sense::hover());
-    // What is put into a child moves nothing in the panel.
+    // Widgets of a child do not move anything in the panel.
     let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(rect));
     let [arm, run, stop] = [0.0, 1.0, 2.0].map(|place| {
         let left = rect.left() + place * (BUTTON.x + ui.spacing().item_spacing.x);

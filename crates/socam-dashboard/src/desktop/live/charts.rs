@@ -74,7 +74,7 @@ impl Live {
         }
     }
 
-    /// What is drawn, and what could not be.
+    /// Draws the controls of the charts, and the number of samples that were lost.
     fn tools(&mut self, ui: &mut Ui, bench: &Connection) {
         ui.horizontal_wrapped(|ui| {
             let mut is_held = self.held.is_some();

@@ -19,7 +19,7 @@ use socam_workbench::next_run::NextRun;
 use super::Live;
 use crate::layout;
 
-/// What the operator asks for.
+/// Request of the operator.
 #[derive(Debug)]
 pub(super) enum Action {
     /// Open the link to the device.

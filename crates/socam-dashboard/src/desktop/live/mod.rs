@@ -94,7 +94,7 @@ impl Live {
         }
     }
 
-    /// What the charts show.
+    /// Samples that the charts show.
     fn shown<'a>(&'a self, bench: &'a Connection) -> &'a Buffer {
         self.held.as_ref().unwrap_or(bench.buffer())
     }

@@ -9,7 +9,7 @@ use socam_workbench::connection::Connection;
 /// Time between two pictures of the numbers, s: faster ones cannot be read.
 const EVERY_S: f64 = 0.2;
 
-/// What the numbers beside a chart say.
+/// Content of the numbers beside a chart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reading {
     pub(super) value: f32,

@@ -9,7 +9,7 @@ use socam_chart::theme;
 /// Largest number of causes in the list.
 const CAUSES: usize = 6;
 
-/// What the watch is doing, and what its baseline supports.
+/// Draws the phase of the monitoring and the amount of healthy data in its baseline.
 pub(super) fn state(ui: &mut Ui, overlay: &Overlay, name: &str) {
     let (text, colour) = match overlay.phase {
         Phase::Learning { collected_s, needed_s } => {

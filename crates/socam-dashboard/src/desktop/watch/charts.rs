@@ -9,7 +9,7 @@ use socam_chart::theme;
 /// A sample between blocks is missing where they lie farther apart than this many sample times.
 const APART: f64 = 1.5;
 
-/// What the tests judge, in the order of their colours.
+/// Kinds of test statistics, in the order of their colours.
 const KINDS: [&str; 3] =
     ["mean of a channel's error", "power of a channel's error", "apparent value of a parameter"];
 

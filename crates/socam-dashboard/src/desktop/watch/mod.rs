@@ -22,7 +22,7 @@ use socam_workbench::{Request, Workspace};
 const SPEEDS: [(Option<f64>, &str); 3] =
     [(None, "as fast as possible"), (Some(1.0), "1 x"), (Some(10.0), "10 x")];
 
-/// What is watched: the running bench, or a recording by name.
+/// Subject of the monitoring: the running bench, or a recording by name.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 enum Subject {
     #[default]

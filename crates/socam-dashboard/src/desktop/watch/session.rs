@@ -19,7 +19,7 @@ const ROWS: usize = 256;
 /// Longest time between two snapshots, and between two looks of a watch that waits for samples.
 const SNAPSHOT_EVERY: Duration = Duration::from_millis(50);
 
-/// What is watched.
+/// Source of the samples that are monitored.
 pub(super) enum Source {
     /// A recording, at a multiple of its own speed; `None` is as fast as possible.
     Replay { recording: Recording, speed: Option<f64> },

@@ -12,7 +12,7 @@ use socam_workbench::recording::short;
 
 /// Share of the height that the signals take; the residuals take the rest.
 const SIGNALS: f32 = 0.64;
-/// Height from which on there is room for the residuals too, points.
+/// Height above which the residuals are drawn too, points.
 const ROOM: f32 = 260.0;
 
 pub(super) fn ui(ui: &mut Ui, overlay: &Overlay, sides: Sides, seen: &mut Vec<Seen>) {

@@ -18,7 +18,7 @@ use socam_workbench::signal::Signal;
 #[derive(Debug, Clone)]
 pub(super) struct Dragged(pub(super) Signal);
 
-/// Number of recordings and channels from which on they can be searched.
+/// Number of recordings and channels above which the list has a search field.
 const MANY: usize = 12;
 
 impl Review {

@@ -10,7 +10,7 @@ use socam_workbench::entry::Entry;
 /// Number of recordings up to which each row has a second line with facts.
 const FEW: usize = 3;
 
-/// What is done with a recording.
+/// Action on a recording.
 #[derive(Clone, Copy)]
 enum Done {
     Close,

@@ -11,7 +11,7 @@ use socam_workbench::queue::Batch;
 
 use super::{channels, dashboard, run};
 
-/// A live view that is connected to a board whose part the test plays.
+/// A live view that is connected to a board that the test simulates.
 pub(crate) fn connected(look: Look) -> (Dashboard, Bench) {
     let mut dashboard = dashboard(look, View::Live);
     let ends: Arc<Mutex<Option<Bench>>> = Arc::default();

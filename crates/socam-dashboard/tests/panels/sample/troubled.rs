@@ -4,7 +4,7 @@ use socam_workbench::recording::{Happening, Recording};
 
 use super::{of, run};
 
-/// With a gap, missing values, a spike, events, notes and warnings.
+/// A recording with a gap, missing values, a spike, events, notes and warnings.
 pub(super) fn troubled(rows: usize) -> Recording {
     let whole = run(3, rows);
     let all = 0..rows;

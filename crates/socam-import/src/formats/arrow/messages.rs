@@ -11,9 +11,9 @@ use arrow_ipc::convert::try_fb_to_schema;
 use arrow_ipc::{Message, MessageHeader, root_as_message};
 use arrow_schema::SchemaRef;
 
-/// What a file begins with, before its messages.
+/// First bytes of a file, before its messages.
 const FILE: &[u8] = b"ARROW1\0\0";
-/// How much larger than in the file a buffer may be without compression.
+/// Largest ratio of an uncompressed buffer to its size in the file.
 const LARGEST_RATIO: i64 = 100_000;
 
 /// Why a message cannot be read.

@@ -55,7 +55,7 @@ fn a_jittered_recording_lies_on_its_curve_everywhere() {
             }
         }
         let rms = (squares / loaded.time_s.len() as f64).sqrt();
-        // Of an amplitude of 3; worst beside several lost samples.
+        // The amplitude is 3; the error is largest beside several lost samples.
         assert!(worst < 0.03 && worst_seen < 6e-3 && rms < 1e-3, "{worst} {worst_seen} {rms}");
         let share = f64::from(seen) / raw.rows() as f64;
         assert!(share > if parts == 1 { 0.85 } else { 0.995 }, "{share}");

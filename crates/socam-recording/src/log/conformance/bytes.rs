@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use mcap::records::Record;
 
-/// What the suite appends to a record to see that readers ignore it.
+/// Bytes that the suite appends to a record to check that readers ignore them.
 const PAD: [u8; 3] = [0x01, 0xff, 0xff];
 
 /// Appends a record. A message ends with its data, and chunks, ends of data and footers have a fixed form: they are never padded.

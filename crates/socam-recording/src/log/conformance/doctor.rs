@@ -21,7 +21,7 @@ struct Placed<'a> {
     body: &'a [u8],
 }
 
-/// What a data section holds, and so what its summary should hold.
+/// Contents of a data section, from which the expected summary follows.
 #[derive(Default)]
 struct Expected {
     problems: Vec<String>,

@@ -51,7 +51,7 @@ fn every_file_of_the_suite_is_read_as_it_was_written() {
         let path = folder.path().join(format!("{}.mcap", variant.name));
         std::fs::write(&path, &variant.bytes).unwrap();
         assert_eq!(read(&path), variant.records, "{}", variant.name);
-        // None of them is a recording of this program, which is said.
+        // None of these files is a recording of this program, and the error says so.
         let refused = Dataset::open(path.to_str().unwrap());
         assert!(matches!(refused, Err(RecordingError::ForeignMcap { .. })), "{}: {refused:?}", variant.name);
         if let Some(suite) = &suite {

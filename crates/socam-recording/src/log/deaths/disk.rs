@@ -1,10 +1,10 @@
-//! What a disk may hold after a death.
+//! Possible contents of a disk after a crash.
 
 use super::draw::Draw;
 use super::story::Story;
 use crate::disk::trace::Step;
 
-/// How a recorder dies.
+/// Kind of crash of a recorder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Death {
     /// The process is killed, also within a write: all that was handed to the operating system survives.
@@ -15,7 +15,7 @@ pub(super) enum Death {
     TornSync,
 }
 
-/// What is found after a death.
+/// Contents of the disk after a crash.
 #[derive(Debug)]
 pub(super) struct Image {
     /// Number of steps before the death.
@@ -45,7 +45,7 @@ enum Name {
 }
 
 impl Story {
-    /// What is found after a death at a random moment.
+    /// Contents of the disk after a crash at a random moment.
     pub(super) fn image(&self, death: Death, draw: &mut Draw) -> Image {
         let moments: Vec<usize> = match death {
             Death::TornSync => (0..self.steps.len()).filter(|step| self.steps[*step] == Step::Sync).collect(),
@@ -68,7 +68,7 @@ impl Story {
             step,
             new: (name != Name::Absent).then_some(Content(content)),
             renamed: name == Name::Renamed,
-            // What a finished recording holds is on the disk.
+            // The contents of a finished recording are on the disk.
             promised: match synced {
                 _ if next.is_none() => self.all_samples,
                 Some(step) => self.samples_after(step + 1),

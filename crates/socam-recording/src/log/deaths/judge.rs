@@ -9,7 +9,7 @@ use super::story::{Story, values};
 use crate::log::conformance::doctor::examine;
 use crate::{Dataset, recover};
 
-/// What a death has left, from the least to the most.
+/// State of the recording after a crash, from the least to the most complete.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Found {
     /// No sample, which is said.

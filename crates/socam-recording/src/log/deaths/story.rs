@@ -64,7 +64,7 @@ pub(super) fn write(writing: &mut Writing, number: u64) {
 }
 
 impl Story {
-    /// A recording whose chunks, syncs and length depend on a number.
+    /// A recording whose chunks, syncs and length are drawn at random from the seed `number`.
     pub(super) fn of(number: u64) -> Self {
         let mut draw = Draw::new(number);
         let replaces = draw.below(2) == 0;

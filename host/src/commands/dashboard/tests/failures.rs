@@ -41,7 +41,7 @@ fn a_link_that_nobody_answers_is_given_up_at_once() {
     click(&mut window, "Cancel");
     window.get_by_label("Connect");
     window.get_by_label("no board");
-    // Nor does what comes of it later matter to the next link.
+    // Later events of the cancelled connection do not disturb the next link.
     click(&mut window, "Connect");
     until(&mut window, "a sentence", |window| window.query_by_label_contains("says nothing").is_some());
 }
@@ -119,7 +119,7 @@ fn a_disk_that_fills_up_stops_the_bench_and_keeps_what_it_has() {
     if let Some(folder) = std::env::var_os(SMALL_DISK) {
         return fills_up(Path::new(&folder));
     }
-    // Such a disk takes a name space of its own, in which this test runs again.
+    // Such a disk needs its own name space, in which this test runs again.
     let folder = tempfile::tempdir().unwrap();
     let small = |command: &str| {
         let mount = format!("mount -t tmpfs -o size=160k socam \"${SMALL_DISK}\" && {command}");
@@ -148,7 +148,7 @@ fn fills_up(folder: &Path) {
     assert!(!well && text.contains("disk is full") && text.contains("run-1.mcap"), "{text}");
     let data = Dataset::open(&path.display().to_string()).unwrap();
     assert!(data.rows() > 1000 && data.lost_samples() == 0, "{}", data.rows());
-    // There is no room for a copy either, and nothing is left of it.
+    // There is no room for a copy either, and no part of it is left.
     let name = path.display().to_string();
     window.state_mut().open([name]);
     until(&mut window, "the recording", |window| !window.state().is_busy());

@@ -47,7 +47,7 @@ pub(super) fn thesis_bench(model: &Model) -> anyhow::Result<(Bench, [f64; UNKNOW
 
 /// The transfer function to match, and points for the direct fit.
 pub(super) struct Data {
-    /// Where they are from.
+    /// Origin of the transfer function.
     pub(super) source: String,
     pub(super) transfer: TransferFunction,
     pub(super) points: Vec<Point>,
