@@ -1,4 +1,4 @@
-//! What TOML text from strangers may do to its parser, looked for before it is parsed.
+//! Rejects TOML text whose nesting would overflow the parser's stack, before it is parsed.
 
 use toml_parser::{Source, lexer::TokenKind};
 
