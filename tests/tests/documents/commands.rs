@@ -14,16 +14,16 @@ fn commands() -> Vec<String> {
 }
 
 #[test]
-fn the_tour_has_every_command_and_no_other() {
+fn the_tour_has_every_command() {
     let commands = commands();
     assert!(commands.len() > 20, "{commands:?}");
     let tour = read("docs/tour.md");
-    for command in &commands {
-        assert!(
-            tour.contains(&format!("socam-host {command}")),
-            "docs/tour.md has no line of `socam-host {command}`; add an example"
-        );
-    }
+    let missing: Vec<&String> =
+        commands.iter().filter(|command| !tour.contains(&format!("socam-host {command}"))).collect();
+    assert!(
+        missing.is_empty(),
+        "docs/tour.md has no line `socam-host COMMAND` of these; add an example: {missing:?}"
+    );
 }
 
 #[test]
