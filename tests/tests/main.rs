@@ -27,6 +27,7 @@ mod diagnose_published;
 #[cfg(feature = "full")]
 mod diagnose_robust;
 mod diagnose_steady;
+mod documents;
 #[cfg(feature = "full")]
 mod export_model;
 #[cfg(feature = "full")]

@@ -43,6 +43,20 @@ pub enum Kind {
     Mcap,
 }
 
+impl Kind {
+    /// The feature, of this crate and of `socam-host`, without which files of this format are not read; `None` if they always are.
+    #[must_use]
+    pub const fn feature(self) -> Option<&'static str> {
+        match self {
+            Self::Text | Self::Tdms | Self::Mat => None,
+            Self::Mdf4 => Some("formats-mdf4"),
+            Self::Hdf5 => Some("formats-hdf5"),
+            Self::Parquet | Self::Arrow => Some("formats-arrow"),
+            Self::Mcap => Some("formats-ros"),
+        }
+    }
+}
+
 impl std::fmt::Display for Kind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
@@ -91,12 +105,7 @@ const REFUSED: [(&[u8], &str); 9] = [
     feature = "formats-ros"
 )))]
 fn not_built(path: &Path, kind: Kind) -> ImportError {
-    let feature = match kind {
-        Kind::Parquet | Kind::Arrow => "formats-arrow",
-        Kind::Hdf5 => "formats-hdf5",
-        Kind::Mdf4 => "formats-mdf4",
-        _ => "formats-ros",
-    };
+    let feature = kind.feature().unwrap_or("default");
     let problem = format!(
         "is {kind}, which this build does not read: build socam-host with its feature `{feature}`, or with all of them (`cargo install --path host`)"
     );
@@ -175,4 +184,36 @@ pub fn read(path: &Path, layout: Option<&TextLayout>, date: Option<&str>, wanted
         return Err(ImportError::file(path, format!("holds no column of numbers{notes}")));
     }
     Ok(source)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Kind, MAGIC};
+
+    #[test]
+    fn the_table_of_docs_import_has_every_format_with_its_feature() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let read = |path: &str| std::fs::read_to_string(root.join(path)).unwrap();
+        let (document, host) = (read("docs/import.md"), read("host/Cargo.toml"));
+        let rows: Vec<Vec<&str>> = document
+            .lines()
+            .filter_map(|line| line.strip_prefix("| "))
+            .map(|row| row.split(" | ").collect())
+            .collect();
+        let plain = |text: &str| text.replace([' ', '`'], "");
+        for kind in MAGIC.iter().map(|(_, kind)| *kind).chain([Kind::Text]) {
+            let feature = kind.feature();
+            let cell = feature.map_or("none |".to_owned(), |feature| format!("`{feature}` |"));
+            assert!(
+                rows.iter()
+                    .any(|row| plain(row[0]).starts_with(&plain(&kind.to_string()))
+                        && row.last() == Some(&&*cell)),
+                "docs/import.md must have a row that begins with `{kind}` and ends with {cell}"
+            );
+            assert!(
+                feature.is_none_or(|feature| host.contains(&format!("{feature} = [\"socam-import/{feature}\"]"))),
+                "host/Cargo.toml must hand the feature {feature:?} to socam-import"
+            );
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! Rejects TOML whose nesting would overflow the parser's stack.
+//! Rejects TOML text whose nesting would overflow the parser's stack, before it is parsed.
 
 use toml_parser::{Source, lexer::TokenKind};
 

@@ -196,7 +196,7 @@ impl Review {
                 chart::empty_state(
                     ui,
                     "No recording is open",
-                    "Drop .mcap, .csv or .m files here, or press Ctrl+O. Several can be open at a time: each gets its own colour.",
+                    "Drop recordings here, or press Ctrl+O. Several can be open at a time: each gets its own colour.",
                 );
                 return;
             }

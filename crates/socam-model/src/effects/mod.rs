@@ -2,7 +2,7 @@
 //!
 //! An effect changes the structure of the drivetrain ([`Form::Inertia`] and others) or consists of force laws ([`Form::Laws`]): static
 //! functions of a few inputs from the motion, with exact derivatives. The file of an effect defines its law, amplitude,
-//! places, starts, priors, model discrepancy, equivalent effects, and texts. A new effect needs its file and a line in [`CATALOGUE`];
+//! places, starts, priors, model discrepancy, equivalent effects, and texts. A new effect needs its file, a line in [`CATALOGUE`] and what `CONTRIBUTING.md` lists;
 //! simulator, predictors, model files and diagnosis iterate over that list and name no effect.
 
 mod amplitude;

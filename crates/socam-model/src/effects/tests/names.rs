@@ -1,11 +1,12 @@
 //! An effect is one file: no source outside `effects/` contains an effect's id.
 
 use std::{
+    collections::BTreeSet,
     fs,
     path::{Path, PathBuf},
 };
 
-use crate::effects::{CATALOGUE, REFINED};
+use crate::effects::{CATALOGUE, Effect, Places, REFINED};
 
 /// Paths that may contain ids: the effects' folder, the challenge's independent truth, and tests.
 const EXEMPT: [&str; 6] = [
@@ -84,17 +85,56 @@ fn a_literal_is_found_in_code_and_neither_in_comments_nor_in_unit_tests() {
     assert_eq!(named(&text), [(3, id)]);
 }
 
+/// A row of docs/effects.md: id, place, parameters.
+type Row<'t> = (&'t str, &'t str, BTreeSet<&'t str>);
+
+fn rows(text: &str) -> Vec<Row<'_>> {
+    let row = |line: &'_ str| -> Option<Row<'_>> {
+        let mut cells = line.strip_prefix("| `")?.split(" | ");
+        let id = cells.next()?.split('`').next()?;
+        let (place, parameters) = (cells.next()?, cells.next()?);
+        Some((id, place, parameters.split('`').skip(1).step_by(2).collect()))
+    };
+    text.split("| id | place |").nth(1).unwrap_or_default().lines().filter_map(row).collect()
+}
+
+/// What the place of an effect's row says among other words.
+fn place(effect: &Effect) -> &'static str {
+    match effect.places {
+        Places::Load => "load",
+        Places::Driven => "driving machine",
+        Places::Free => "free",
+        Places::Inputs => "input",
+        _ => effect.acts_at.noun().trim_start_matches("a "),
+    }
+}
+
 #[test]
-fn every_effect_stands_in_the_docs() {
+fn the_docs_list_every_effect_with_its_place_and_parameters_and_no_other() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let text = fs::read_to_string(root.join("docs/effects.md")).unwrap();
-    for effect in CATALOGUE.iter().chain(REFINED) {
-        let mut rows = text.lines().filter(|line| line.starts_with(&format!("| `{}`", effect.id)));
-        let has_all = |row: &str| effect.given().all(|own| row.contains(&format!("`{}`", own.name)));
+    let rows = rows(&text);
+    let all = || CATALOGUE.iter().chain(REFINED);
+    let has_parameters = |effect: &Effect, (.., parameters): &Row<'_>| {
+        effect.given().all(|own| parameters.contains(own.name))
+            && parameters.iter().all(|name| effect.parameters.iter().any(|own| own.name == *name))
+    };
+    let fits = |effect: &Effect, row: &Row<'_>| {
+        row.0 == effect.id && row.1.contains(place(effect)) && has_parameters(effect, row)
+    };
+    for effect in all() {
+        let parameters: Vec<&str> = effect.given().map(|own| own.name).collect();
         assert!(
-            rows.any(has_all),
-            "docs/effects.md has no row of `{}` with all its parameters in backticks; add one",
-            effect.id
+            rows.iter().any(|row| fits(effect, row)),
+            "docs/effects.md has no row of `{}` with the place `{}` and the parameters {parameters:?} in backticks; add one",
+            effect.id,
+            place(effect)
+        );
+    }
+    for row in &rows {
+        assert!(
+            all().any(|effect| fits(effect, row)),
+            "docs/effects.md has a row of no effect of the catalogue: {row:?}"
         );
     }
 }
