@@ -183,7 +183,7 @@ fn a_closed_loop_run_matches_the_virtual_board() {
         assert!((0.5..2.2).contains(&rms), "{}: {rms}", CHANNELS[channel]);
     }
 
-    // The same counts lead to the same commands on a Cortex-M0+ and here, bit by bit.
+    // Equal counts lead to equal commands on a Cortex-M0+ and here, bit by bit.
     let commands: Vec<i16> = ours[0].iter().map(|volts| calibration().output.count(*volts)).collect();
     assert_eq!(replay(&profile, &ours), commands);
 }

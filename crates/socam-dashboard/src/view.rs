@@ -1,4 +1,5 @@
-//! What a view is. To add one, write a type with the functions of [`ViewPanel`], its name in [`socam_workbench::View`], and one line in
+//! Definition of a view. To add one, write a type with the functions of [`ViewPanel`], its name in [`socam_workbench::View`], and
+//! one line in
 //! `views!` of each platform that has it.
 
 use egui::Ui;

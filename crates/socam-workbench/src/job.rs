@@ -180,7 +180,7 @@ impl<T: Send + 'static> Attempt<T> {
     }
 }
 
-/// Time from which on the remaining time is estimated, s, and the least progress for that, 1.
+/// Time after which the remaining time is estimated, s. The next constant is the least progress for that, 1.
 const KNOWN_AFTER_S: f64 = 2.0;
 const KNOWN_FROM: f64 = 0.02;
 

@@ -53,7 +53,7 @@ impl Recursion {
         Self { hold, real, steps, weights, chi: C::default(), psi: C::default() }
     }
 
-    /// The same recursion started at chi = 1.
+    /// This recursion started at chi = 1.
     pub(crate) fn left_at_one(&self) -> Self {
         Self { chi: C::from(1.0), psi: C::default(), ..self.clone() }
     }

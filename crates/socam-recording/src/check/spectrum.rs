@@ -36,7 +36,7 @@ pub(super) struct Gatherer {
 }
 
 impl Gatherer {
-    /// For segments of at most `longest_segment` rows.
+    /// Creates the estimate for segments of at most `longest_segment` rows.
     pub(super) fn new(longest_segment: u64, sample_time_s: f64) -> Self {
         let quarter = usize::try_from(longest_segment / 4).unwrap_or(LONGEST).clamp(1, LONGEST);
         let length = 1_usize << quarter.ilog2();
