@@ -1,6 +1,5 @@
 //! Definition of a view. To add one, write a type with the functions of [`ViewPanel`], its name in [`socam_workbench::View`], and
-//! one line in
-//! `views!` of each platform that has it.
+//! one line in `views!` of each platform that has it.
 
 use egui::Ui;
 use socam_chart::chart::Seen;

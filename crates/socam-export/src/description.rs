@@ -8,7 +8,7 @@ mod coordinates;
 
 pub(crate) use coordinates::{Coordinate, Kind, Lever};
 
-/// A parameter with what is known of it.
+/// A parameter with its value and interval.
 pub(crate) struct Parameter {
     pub(crate) name: String,
     pub(crate) identifier: String,
@@ -37,7 +37,7 @@ pub(crate) struct Point {
     pub(crate) inertias: Vec<usize>,
 }
 
-/// A channel with its identifier; clocks are none.
+/// A channel with its identifier; clocks are not included.
 pub(crate) struct Signal<'m> {
     pub(crate) channel: &'m Channel,
     /// Index in [`Model::channels`].

@@ -218,7 +218,7 @@ impl RecordingError {
         }
     }
 
-    /// An error of the operating system, told apart where the remedy differs.
+    /// Creates an error of the operating system; a folder gets an error of its own, because its remedy differs.
     pub(crate) fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
         if source.kind() == std::io::ErrorKind::IsADirectory {
             return Self::Directory { path: path.into() };

@@ -116,7 +116,7 @@ impl<T: Send + 'static> Job<T> {
     }
 }
 
-/// Runs what is there, once.
+/// Runs the stored function once, if there is one.
 fn take_and_run(work: &Mutex<Option<impl FnOnce()>>) {
     let work = work.lock().unwrap_or_else(PoisonError::into_inner).take();
     if let Some(work) = work {

@@ -180,7 +180,7 @@ impl Spectrum {
         })
     }
 
-    /// Amplitude of a line at this frequency; `None` when there is none that stands out.
+    /// Amplitude of a line at this frequency; `None` if no line stands out there.
     fn line_at(&self, frequency_hz: f64) -> Option<f64> {
         let bin = (frequency_hz / self.step_hz).round() as usize;
         let reach = (NEIGHBOURHOOD_HZ / self.step_hz) as usize;
