@@ -214,7 +214,8 @@ fn assert_identified(recording: &str, model: &str) {
     }
 }
 
-/// Neither the filters nor the converter's ways are taken for a sensor's lag or delay, and what is wrong with the bench is found.
+/// Neither the filters nor the properties of the converter are mistaken for a sensor's lag or delay, and the bench's fault is
+/// found.
 #[test]
 fn recordings_of_the_board_are_diagnosed_and_identified() {
     let friction = "coulomb_friction@load_bearing:torque=0.3";

@@ -172,7 +172,8 @@ impl<'m> Description<'m> {
         .sum()
     }
 
-    /// The gain of a channel as a formula: of an input, what acts divided by what is recorded; of an output, reading divided by truth.
+    /// Gain of a channel as a formula: for an input, the acting value divided by the recorded one; for an output, the reading
+    /// divided by the true value.
     pub(crate) fn gain(&self, signal: &Signal<'_>) -> Option<Formula> {
         let name = |parameter: usize| Formula::Name(self.parameters[parameter].identifier.clone());
         let mut gain = signal.channel.gain.map(name);

@@ -124,7 +124,7 @@ fn take_and_run(work: &Mutex<Option<impl FnOnce()>>) {
     }
 }
 
-/// A job that may fail, be cancelled and be begun again, with what went wrong the last time.
+/// A job that may fail, be cancelled and be started again, with the error of the last attempt.
 #[derive(Debug)]
 pub struct Attempt<T> {
     job: Option<Job<Result<T, String>>>,

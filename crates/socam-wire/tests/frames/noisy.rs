@@ -78,7 +78,7 @@ impl Line {
     }
 }
 
-/// The host's account of what arrived.
+/// Counts of the samples that arrived and were lost, as the host sees them.
 #[derive(Default)]
 struct Account {
     arrived: u32,

@@ -55,7 +55,7 @@ pub(super) struct Score {
     pub(super) cpu_s: Option<f64>,
 }
 
-/// Whether a finding is observationally equivalent to what is hidden, by its number.
+/// Whether a finding is observationally equivalent to a hidden effect, which is given by its number.
 pub(super) type Equivalent<'a> = dyn Fn(&Finding, usize) -> bool + 'a;
 
 impl Score {
