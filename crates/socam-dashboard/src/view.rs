@@ -10,7 +10,7 @@ pub type Help = &'static [(&'static str, &'static str)];
 
 /// A view.
 pub trait ViewPanel {
-    /// Draws what stays in its place below the tabs, whatever messages appear below it.
+    /// Draws the part that stays in its place below the tabs, whatever messages appear below it.
     fn bar(&mut self, _ui: &mut Ui, _workspace: &mut Workspace) {}
 
     /// Draws it, and adds its charts to those that are seen.
