@@ -1,4 +1,4 @@
-//! Why the program started, and what it has to say of the time before.
+//! Reason why the program started, and the fault to report from the time before.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 

@@ -24,7 +24,7 @@ impl WatchArgs {
         !self.baseline.is_empty() || self.watching.is_set()
     }
 
-    /// The baseline of the healthy recordings, if any are given; says what it supports.
+    /// Computes the baseline of the healthy recordings, if any are given, and prints its summary.
     pub(crate) fn baseline(&self, model: &Model) -> anyhow::Result<Option<Baseline>> {
         let healthy = output::open_all(Grid::Fit(model), &self.baseline)?;
         let baseline = self.watching.baseline(model, &healthy)?;

@@ -16,7 +16,7 @@ pub(crate) struct Cli {
     pub(crate) command: Command,
 }
 
-/// The command that was typed. When there is none to run: the exit code, and everything is said (help, or what is wrong).
+/// Reads the command that was typed. If there is no command to run, returns the exit code after help or an error was printed.
 pub(crate) fn read() -> Result<Command, ExitCode> {
     let error = match Cli::try_parse() {
         Ok(cli) => return Ok(cli.command),
@@ -40,7 +40,7 @@ fn no_command() -> String {
     format!("no command was given; there are {} (socam-host --help says what they do)", names.join(", "))
 }
 
-/// One sentence of what the parser says in paragraphs: what is wrong, tips, and the usage last.
+/// One sentence from the parser's message of several paragraphs: the mistake, tips, and the usage last.
 fn sentence(paragraphs: &str) -> String {
     let text = paragraphs.split("For more information").next().unwrap_or_default();
     let text = text.strip_prefix("error: ").unwrap_or(text);

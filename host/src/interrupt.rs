@@ -1,4 +1,4 @@
-//! Ctrl-C: ends the process at once, unless a command answers it: a search ends with what it has, a bench is stopped.
+//! Ctrl-C ends the process at once, unless a command responds to it: a search ends with its best result, a bench is stopped.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -7,10 +7,10 @@ use std::time::Duration;
 
 use crate::output;
 
-/// Exit code of whoever did not want to wait: that of a program without a handler, as shells tell it.
+/// Exit code after an interrupt that ended the process at once: that of a program without a handler, as shells report it.
 const ENDED_AT_ONCE: i32 = 130;
 
-/// Longest time that a search takes to end with what it has.
+/// Longest time in which a search ends with its best result.
 const SEARCH_ENDS_WITHIN: Duration = Duration::from_secs(10);
 
 /// The process has one handler.
@@ -27,9 +27,9 @@ struct State {
     last: AtomicU32,
     /// Counts changes of `last`.
     changes: AtomicU32,
-    /// Whether the command says what it does at the wishes before.
+    /// Whether the command itself prints a message at the earlier interrupts.
     is_answered: AtomicBool,
-    /// A file that would be left behind half-written then.
+    /// A file that would otherwise be left half-written when the process ends at once.
     unfinished: Mutex<Option<PathBuf>>,
 }
 

@@ -25,7 +25,7 @@ impl Fault {
         let names: Vec<&str> = effect.parameters.iter().map(|own| own.name).collect();
         hidden.check_parameters(effect, &names)?;
         let given = |name: &str| hidden.parameters.iter().find(|given| given.name == name);
-        // Defaults of rotation: a parameter with another one in translation is none of a sensor's.
+        // The defaults are those of rotation: no parameter of a sensor fault has another default in translation.
         let value = |name: &str, default: Option<(f64, f64)>| {
             given(name).map(|given| given.value).or(default.map(|(value, _)| value))
         };

@@ -98,7 +98,7 @@ impl Emulator {
         Some(Self { node, bench: Some(bench), control, device: format!("tcp:127.0.0.1:{port}"), port })
     }
 
-    /// Asks the emulator something, or tells it to do it.
+    /// Sends a question or a command to the emulator and returns its answer.
     ///
     /// # Panics
     /// When it does not answer, or does not know what is asked.

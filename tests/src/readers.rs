@@ -1,4 +1,4 @@
-//! Programs of others that read what this one writes.
+//! Other programs that read the files of this one.
 
 use std::path::{Path, PathBuf};
 

@@ -183,7 +183,7 @@ fn a_closed_loop_run_matches_the_virtual_board() {
         assert!((0.5..2.2).contains(&rms), "{}: {rms}", CHANNELS[channel]);
     }
 
-    // The same counts lead to the same commands on a Cortex-M0+ and here, bit by bit.
+    // Equal counts lead to equal commands on a Cortex-M0+ and here, bit by bit.
     let commands: Vec<i16> = ours[0].iter().map(|volts| calibration().output.count(*volts)).collect();
     assert_eq!(replay(&profile, &ours), commands);
 }
@@ -214,7 +214,8 @@ fn assert_identified(recording: &str, model: &str) {
     }
 }
 
-/// Neither the filters nor the converter's ways are taken for a sensor's lag or delay, and what is wrong with the bench is found.
+/// Neither the filters nor the properties of the converter are mistaken for a sensor's lag or delay, and the bench's fault is
+/// found.
 #[test]
 fn recordings_of_the_board_are_diagnosed_and_identified() {
     let friction = "coulomb_friction@load_bearing:torque=0.3";

@@ -37,8 +37,8 @@ fn a_host_that_falls_silent_or_mad_stops_the_bench() {
     stop_in_turn(&mut board, &failures);
 }
 
-/// The thesis' program waited for ever for a converter, and took 0xffff for a voltage. One input that never changes cannot be told from a
-/// quiet one at once: a hundred conversions, 25 ms, are allowed.
+/// The thesis' program waited for ever for a converter, and took 0xffff for a voltage. An input that never changes cannot be
+/// distinguished from a quiet one at once: a hundred conversions, 25 ms, are allowed.
 #[test]
 fn a_converter_that_fails_stops_the_bench() {
     let Some(mut board) = board() else { return };
@@ -156,7 +156,8 @@ fn a_loss_of_the_supply_stops_the_bench_and_is_told() {
     assert!(!record(&board, &[]).stderr.contains("remembers"));
 }
 
-/// A pad or a line that is held high keeps the drive enabled: nothing but a person or a relay can disable it, so it must be told.
+/// A pad or a line that is held high keeps the drive enabled. Only a person or a relay can disable it, so the fault must be
+/// reported.
 #[test]
 fn an_enable_line_that_does_not_follow_is_told() {
     let Some(mut board) = board() else { return };
@@ -176,7 +177,7 @@ fn an_enable_line_that_does_not_follow_is_told() {
     board.inject("pad=well", None);
     remembers(&mut board, &high);
 
-    // Behind the pad only the feedback wire sees it, and the host is told whether there is one.
+    // Only the feedback wire detects a fault behind the pad, and the host is told whether there is such a wire.
     board.inject("drive=high", None);
     let ran = record(&board, &[]);
     assert_eq!(ran.code, Some(0), "the pad itself is well");

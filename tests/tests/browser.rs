@@ -140,7 +140,7 @@ fn attend(
     Ok(())
 }
 
-/// Ends the browser, whatever becomes of the test.
+/// Ends the browser when it is dropped, whatever the result of the test.
 struct Running(Child);
 
 impl Drop for Running {

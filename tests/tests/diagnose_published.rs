@@ -1,4 +1,5 @@
-//! `diagnose` on recordings that other laboratories published, each begun from a model that lacks what is known to be there.
+//! `diagnose` on recordings that other laboratories published. Each diagnosis starts from a model that lacks a part known to be
+//! there.
 
 use std::path::Path;
 
@@ -150,9 +151,10 @@ fn an_oscillator_is_found_to_harden() {
     assert!(before > 0.01 && after < 0.001, "{before} {after}");
 }
 
-/// Analysed by hand (docs/aalto.md), most of what the published chain misses comes back with every turn of the middle shaft, whose mesh 1
-/// does not roll true. The encoder's angle tells where in its turn each recording begins. All recordings ran at one speed, where a load
-/// that swings four times a turn does the same: the line and its shaft are found, either place may come first, and the other is a rival.
+/// By manual analysis (docs/aalto.md), most of the effect that the published chain lacks repeats with every turn of the middle
+/// shaft, whose mesh 1 does not roll true. The encoder's angle gives the position in its turn at which each recording begins. All
+/// recordings ran at one speed, at which a load that varies four times a turn has the same effect. So the line and its shaft are
+/// found, either place may come first, and the other is a rival.
 #[test]
 #[ignore = "takes minutes: cargo test --release -p socam-tests -- --ignored"]
 fn a_reduction_is_found_not_to_roll_true() {

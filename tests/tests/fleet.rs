@@ -192,7 +192,7 @@ fn a_run_that_was_killed_or_interrupted_goes_on_to_the_same_bytes() {
     let _ = run(fleet.with_reference(&output, &[])).done();
     assert!(!part.exists());
     assert!(std::fs::read(&output).unwrap() == fleet.whole, "the resumed table differs");
-    // Nothing is left to do: the table stays as it is.
+    // All recordings are done, so the table is unchanged.
     let _ = run(fleet.with_reference(&output, &[])).done();
     assert!(std::fs::read(&output).unwrap() == fleet.whole, "the table changed without a new recording");
 }

@@ -25,7 +25,7 @@ impl Folder {
         path
     }
 
-    /// A recording of the virtual bench, and what `identify --method frf` says of it and writes into `response`.
+    /// A recording of the virtual bench, and the JSON output of `identify --method frf` on it; the report is written to `response`.
     fn response(&self) -> (String, Value) {
         let recording = self.simulate("run.mcap", &["--profile", "multisine", "--duration", "16s"]);
         let report = self.path("response");

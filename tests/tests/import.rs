@@ -1,4 +1,4 @@
-//! `import`: files that other programs wrote, tables as the world writes them, mappings, and what is wrong with any of them.
+//! `import`: files that other programs wrote, tables in common dialects, mappings, and mistakes in all of these.
 
 #[cfg(feature = "full")]
 mod dialects;

@@ -1,4 +1,4 @@
-//! Ctrl-C during a fit: the first ends the search with what it has, the second ends it at once and leaves nothing half-written.
+//! Ctrl-C during a fit: the first ends the search with its best result, the second ends it at once and leaves no file half-written.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! The lean command line says of a command that it does not have which feature has it.
+//! The lean command line names the feature that a missing command needs.
 
 use socam_tests::run;
 

@@ -44,7 +44,7 @@ impl Pairs {
     /// Reads a table from its text.
     ///
     /// # Errors
-    /// As [`Self::open`].
+    /// The errors of [`Self::open`].
     pub fn parse(file: String, text: &str) -> Result<Self, CalibrateError> {
         let line_error = |line, problem: String| CalibrateError::Line { file: file.clone(), line, problem };
         let mut reader =

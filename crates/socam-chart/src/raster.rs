@@ -257,7 +257,7 @@ fn blend(pixel: &mut Color32, source: [f32; 4]) {
     *pixel = Color32::from_rgba_premultiplied(over[0], over[1], over[2], over[3]);
 }
 
-/// Draws a part of the window before its shapes have become the window's output, with the fonts as they are now.
+/// Draws a part of the window before its shapes have become the window's output, with the current fonts.
 #[must_use]
 pub fn of_shapes(
     ctx: &egui::Context,

@@ -82,7 +82,7 @@ fn stretches(points: &[[f64; 2]]) -> Vec<(&[[f64; 2]], bool)> {
     found.into_iter().map(|(range, is_dense)| (&points[range], is_dense)).collect()
 }
 
-/// The parts of a line inside of a rectangle and a little beyond.
+/// Parts of a line inside a rectangle with a small margin.
 fn inside(points: &[[f64; 2]], clip: Rect) -> Vec<Vec<Pos2>> {
     let low = [f64::from(clip.left()) - BEYOND, f64::from(clip.top()) - BEYOND];
     let high = [f64::from(clip.right()) + BEYOND, f64::from(clip.bottom()) + BEYOND];

@@ -140,7 +140,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         }
     }
 
-    /// What the board is doing.
+    /// Status of the board.
     pub fn status(&self) -> Status {
         Status {
             state: self.state(),

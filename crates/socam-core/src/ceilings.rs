@@ -1,4 +1,4 @@
-//! What a board never exceeds, whatever its configuration and profile ask for.
+//! Limits that a board never exceeds, whatever its configuration and profile ask for.
 
 /// The limits of a board's program. They are constants of the program, so that no message and no flipped bit of memory changes them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

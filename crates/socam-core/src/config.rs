@@ -22,7 +22,7 @@ pub struct Config {
     pub channels: [Channel; MAX_CHANNELS],
     /// The command output.
     pub output: Output,
-    /// How a commanded speed becomes a voltage.
+    /// Conversion of a commanded speed to a voltage.
     pub speed: SpeedControl,
     /// Longest time without a request of the host while armed, running or stopping.
     pub host_timeout_us: u32,
@@ -53,7 +53,7 @@ pub struct Channel {
     pub missing_below_micro: Option<i32>,
 }
 
-/// What a channel measures.
+/// Quantity that a channel measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ChannelKind {

@@ -9,7 +9,7 @@ pub struct ConverterSilent;
 /// The hardware that a board needs. Every call must return within a bounded time, far below one sampling period: a converter that
 /// does not answer is an error, never a wait.
 pub trait Ports {
-    /// What this board never exceeds.
+    /// Limits that this board never exceeds.
     const CEILINGS: Ceilings = Ceilings::WIDEST;
 
     /// Microseconds since power-on; never decreases.

@@ -5,7 +5,7 @@ use core::fmt;
 use crate::config::{Channel, ChannelKind, Config, MAX_CHANNELS};
 use crate::{Fault, conversions_per_sample, fixed};
 
-/// What the board is doing. The output is live in `Running` and `Stopping` and nowhere else.
+/// State of the board. The output is live in `Running` and `Stopping` and nowhere else.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum State {

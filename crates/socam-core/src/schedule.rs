@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Schedule {
     period_us: u32,
-    /// When the latest tick was due, `None` before the first.
+    /// Time at which the latest tick was due; `None` before the first.
     due_us: Option<u64>,
     tick: u32,
     overruns: u32,

@@ -1,4 +1,4 @@
-//! What a board reports about itself.
+//! Status reports of a board.
 
 use crate::{Fault, State};
 
@@ -6,7 +6,7 @@ use crate::{Fault, State};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Status {
-    /// What the board is doing.
+    /// State of the board.
     pub state: State,
     /// Why the output was cut, while `state` is [`State::Fault`].
     pub fault: Option<Fault>,

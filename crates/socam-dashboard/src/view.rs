@@ -1,5 +1,5 @@
-//! What a view is. To add one, write a type with the functions of [`ViewPanel`], its name in [`socam_workbench::View`], and one line in
-//! `views!` of each platform that has it.
+//! Definition of a view. To add one, write a type with the functions of [`ViewPanel`], its name in [`socam_workbench::View`], and
+//! one line in `views!` of each platform that has it.
 
 use egui::Ui;
 use socam_chart::chart::Seen;
@@ -10,7 +10,7 @@ pub type Help = &'static [(&'static str, &'static str)];
 
 /// A view.
 pub trait ViewPanel {
-    /// Draws what stays in its place below the tabs, whatever messages appear below it.
+    /// Draws the part that stays in its place below the tabs, whatever messages appear below it.
     fn bar(&mut self, _ui: &mut Ui, _workspace: &mut Workspace) {}
 
     /// Draws it, and adds its charts to those that are seen.

@@ -156,7 +156,7 @@ pub fn sharpest(
 /// The profile that maximises the misfit between two models that remains after fits of either to the other.
 ///
 /// # Errors
-/// As [`sharpest`].
+/// The errors of [`sharpest`].
 pub fn telling_apart(
     model: &Model,
     rival: &Model,

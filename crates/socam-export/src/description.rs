@@ -8,7 +8,7 @@ mod coordinates;
 
 pub(crate) use coordinates::{Coordinate, Kind, Lever};
 
-/// A parameter with what is known of it.
+/// A parameter with its value and interval.
 pub(crate) struct Parameter {
     pub(crate) name: String,
     pub(crate) identifier: String,
@@ -37,7 +37,7 @@ pub(crate) struct Point {
     pub(crate) inertias: Vec<usize>,
 }
 
-/// A channel with its identifier; clocks are none.
+/// A channel with its identifier; clocks are not included.
 pub(crate) struct Signal<'m> {
     pub(crate) channel: &'m Channel,
     /// Index in [`Model::channels`].
@@ -172,7 +172,8 @@ impl<'m> Description<'m> {
         .sum()
     }
 
-    /// The gain of a channel as a formula: of an input, what acts divided by what is recorded; of an output, reading divided by truth.
+    /// Gain of a channel as a formula: for an input, the acting value divided by the recorded one; for an output, the reading
+    /// divided by the true value.
     pub(crate) fn gain(&self, signal: &Signal<'_>) -> Option<Formula> {
         let name = |parameter: usize| Formula::Name(self.parameters[parameter].identifier.clone());
         let mut gain = signal.channel.gain.map(name);

@@ -1,4 +1,4 @@
-//! Names that come from strangers: as identifiers, in comments, and as strings.
+//! Safe forms of names of unknown origin: as identifiers, in comments, and as strings.
 
 use std::collections::HashSet;
 

@@ -108,7 +108,7 @@ fn hostile_names_stay_names() {
         if matches!(target, Target::Mujoco | Target::Urdf | Target::Sdf) {
             roxmltree::Document::parse(&exported.text).unwrap();
         } else {
-            // Strangers' words stand in comments and strings only.
+            // Names of unknown origin occur in comments and strings only.
             let mark = match target {
                 Target::Python => "#",
                 Target::Modelica => "//",

@@ -160,7 +160,7 @@ fn transmissions(xml: &mut Xml, d: &Description<'_>) -> Result<(), ExportError> 
         xml.text("hardwareInterface", &[], &interface)?;
         xml.close()?;
         xml.open("actuator", &[attribute("name", &signal.identifier)])?;
-        // What the actuator takes for what is recorded.
+        // The value at the joint is the recorded value times this gain.
         xml.text("mechanicalReduction", &[], &format!("{:?}", d.gain_value(signal)))?;
         xml.close()?;
         xml.close()?;

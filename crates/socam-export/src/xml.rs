@@ -1,4 +1,4 @@
-//! XML that escapes what it holds.
+//! A writer of XML that escapes its content.
 
 use quick_xml::{
     Writer,

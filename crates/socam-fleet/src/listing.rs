@@ -10,7 +10,8 @@ use crate::error::{FleetError, Result};
 use crate::labels;
 use crate::source::{Content, Source};
 
-/// Extensions of recordings. What a file is, its content says; a file of one of these that is none is a row that says so.
+/// Extensions of files that are listed as recordings. The format is determined by the content; a file with one of these extensions
+/// that is not a recording gets a row that says so.
 const EXTENSIONS: [&str; 12] =
     ["mcap", "csv", "m", "mat", "h5", "hdf5", "mf4", "tdms", "parquet", "arrow", "feather", "tsv"];
 

@@ -1,4 +1,4 @@
-//! A recording of a fleet: where its bytes are, and what is known about it.
+//! A recording of a fleet: location of its bytes, machine and date.
 
 use std::fs::File;
 use std::io::{self, Read, Write};

@@ -9,7 +9,7 @@ use crate::collected::Counts;
 use crate::row::{Status, Verdict};
 use crate::summary::Summary;
 
-/// p-values below this are not told apart.
+/// p-values below this are not distinguished.
 const SMALLEST_P: f64 = 1e-15;
 const DAY_MS: f64 = 86_400_000.0;
 
@@ -110,7 +110,7 @@ pub fn status(status: Status) -> &'static str {
     }
 }
 
-/// Name of a verdict; of the status where there is none.
+/// Name of a verdict, or of the status if there is no verdict.
 #[must_use]
 pub fn verdict(verdict: Option<Verdict>, of: Status) -> &'static str {
     match verdict {

@@ -70,7 +70,7 @@ impl Simulation {
     /// A model at rest at the values of its file, at time 0.
     ///
     /// # Errors
-    /// As [`variables()`].
+    /// The errors of [`variables()`].
     pub fn new(model: Model) -> Result<Self, FmuError> {
         let values = model.values();
         let equations = model.equations(&values)?;

@@ -75,7 +75,7 @@ fn error(outputs: &[Vec<f64>], reference: &[Vec<f64>]) -> f64 {
     each.fold(0.0, f64::max)
 }
 
-/// Little-endian doubles, row by row, after a header whose length stands at byte 8.
+/// Little-endian doubles, row by row, after a header whose length is in the bytes from byte 8.
 fn read_npy(path: &Path, columns: usize) -> Option<Vec<Vec<f64>>> {
     let bytes = std::fs::read(path).ok()?;
     let header = usize::from(u16::from_le_bytes([*bytes.get(8)?, *bytes.get(9)?]));

@@ -101,7 +101,7 @@ pub fn inverse_dynamics(model: &Model, datasets: &[Dataset]) -> Result<Identific
 /// ```
 ///
 /// # Errors
-/// As [`inverse_dynamics`].
+/// The errors of [`inverse_dynamics`].
 pub fn force_error_percent(model: &Model, values: &[f64], dataset: &Dataset) -> Result<f64, IdentifyError> {
     let mut axis = Axis::new(model)?;
     axis.set(model, values)?;

@@ -163,7 +163,7 @@ impl<'a> Problem<'a> {
     /// ```
     ///
     /// # Errors
-    /// As those of [`Problem::new`].
+    /// The errors of [`Problem::new`].
     pub fn of_known(
         model: &'a Model,
         datasets: &'a [Dataset],

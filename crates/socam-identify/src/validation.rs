@@ -108,7 +108,7 @@ pub fn validate(
 /// Errors of the force of each recording by a result of inverse dynamics; none for other methods.
 ///
 /// # Errors
-/// As [`force_error_percent`].
+/// The errors of [`force_error_percent`].
 pub fn force_errors(
     model: &Model,
     datasets: &[Dataset],

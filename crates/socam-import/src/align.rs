@@ -16,7 +16,7 @@ pub(crate) fn usual(rows_s: &[f64], times_s: &[f64]) -> Between {
     }
 }
 
-/// Values at `rows_s` of what was sampled at `times_s`; NaN where there is none.
+/// Values at the times `rows_s`, interpolated from samples at `times_s`; NaN where there is none.
 pub(crate) fn align(rows_s: &[f64], times_s: &[f64], values: &[f64], between: Between) -> Vec<f64> {
     let step_s = median_step_s(times_s).unwrap_or(f64::INFINITY);
     if between == Between::Missing {

@@ -90,7 +90,7 @@ pub struct ChannelMap {
     pub offset: f64,
     /// Range after which the signal begins anew, in its unit: an encoder's 65536 counts or 360 degrees.
     pub wrap: Option<f64>,
-    /// Value that stands for none.
+    /// Value that marks a missing sample.
     pub missing: Option<f64>,
     /// Interpolation between samples of another clock; `None` to decide by the rates.
     pub between: Option<Between>,

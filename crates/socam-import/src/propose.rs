@@ -1,4 +1,4 @@
-//! A mapping proposed from names, units and statistics of a file, with what it is based on.
+//! Proposal of a mapping from names, units and statistics of a file, with the evidence.
 
 mod clocks;
 mod draft;
@@ -65,7 +65,7 @@ pub struct Proposed {
     is_own: bool,
 }
 
-/// A clock and what is known of it.
+/// A clock, its unit and the evidence for it.
 #[derive(Debug, Clone)]
 struct ProposedClock {
     group: usize,

@@ -1,4 +1,4 @@
-//! A column means the same in every text dialect and container, and what is left aside is listed.
+//! A column has the same meaning in every text dialect and container, and parts that are left out are listed.
 
 mod tables;
 

@@ -79,7 +79,7 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// As [`Model::parse`]: for a place or parameter that does not exist, and for a value outside its bounds.
+    /// The errors of [`Model::parse`]: for a place or parameter that does not exist, and for a value outside its bounds.
     pub fn with_effect(&self, effect: &str, place: &str, values: &[(&str, f64)]) -> Result<Self, ModelError> {
         let mut grown = Self::parse(&add_effect(self, effect, place, values)?)?;
         // The file's text has the values as read; later changes are in `parameters` only.

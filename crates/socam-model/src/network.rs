@@ -57,7 +57,7 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// As [`Model::equations`].
+    /// The errors of [`Model::equations`].
     pub fn equations_with_derivatives(
         &self,
         values: &[f64],

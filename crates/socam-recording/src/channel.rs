@@ -71,8 +71,8 @@ impl TableColumn {
     }
 }
 
-/// The columns of a table that become channels, in the order of the file, and what is said of the others. The first column, which is no
-/// channel, is left out.
+/// Columns of a table that become channels, in the order of the file, and warnings about the others. The first column is not a
+/// channel and is left out.
 pub(crate) fn table_columns(header: &[String]) -> (Vec<TableColumn>, Vec<Warning>) {
     let columns: Vec<_> = header.iter().skip(1).map(|title| (column(title, None), "")).collect();
     let names = distinct_names(&columns);

@@ -44,7 +44,8 @@ pub(crate) fn sync_name(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// What cannot be synced is no error: a device, a folder of some file systems, or one that may be written and not read.
+/// Ignores the error of a file that cannot be synced: a device, a folder of some file systems, or a file that may be written but
+/// not read.
 fn unless_impossible(synced: io::Result<()>) -> io::Result<()> {
     use io::ErrorKind as K;
     match synced {

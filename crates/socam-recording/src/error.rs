@@ -153,7 +153,7 @@ pub enum RecordingError {
         /// Explanation of what does not fit.
         problem: String,
     },
-    /// An import of what needs none.
+    /// An import of a file that is a recording already.
     #[error("`{}` is an MCAP log already; use it as it is, or export it", .path.display())]
     AlreadyMcap {
         /// The file.
@@ -218,7 +218,7 @@ impl RecordingError {
         }
     }
 
-    /// An error of the operating system, told apart where the remedy differs.
+    /// Creates an error of the operating system; a folder gets an error of its own, because its remedy differs.
     pub(crate) fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
         if source.kind() == std::io::ErrorKind::IsADirectory {
             return Self::Directory { path: path.into() };
@@ -237,7 +237,7 @@ impl RecordingError {
     }
 }
 
-/// The system's answer in words, with what to do about it where that is known.
+/// The system's error in words, with a remedy if one is known.
 fn io_reason(action: &str, source: &std::io::Error) -> String {
     use std::io::ErrorKind as K;
     match source.kind() {

@@ -36,7 +36,7 @@ pub fn read_text(path: &Path) -> io::Result<String> {
 /// Reads a regular file of at most `most` bytes.
 ///
 /// # Errors
-/// As [`read_text`].
+/// The errors of [`read_text`].
 pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     use std::io::Read;
 

@@ -93,7 +93,7 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// A column that becomes no channel, because of what its numbers are.
+    /// Warning about a column that does not become a channel because of the meaning of its numbers.
     #[must_use]
     pub fn left_aside(column: String, meaning: Meaning) -> Self {
         match meaning {

@@ -159,7 +159,7 @@ fn steady_states_are_a_table_of_their_own() {
     assert!(Steady::open(&PathBuf::from(series)).is_err());
 }
 
-/// Recordings of others, found by `SOCAM_DATA`.
+/// Recordings of other people, in the folder `SOCAM_DATA`, can be opened.
 #[test]
 fn recordings_of_others_open() {
     let Some(root) = std::env::var_os("SOCAM_DATA").map(PathBuf::from) else {
@@ -170,7 +170,7 @@ fn recordings_of_others_open() {
     for folder in std::fs::read_dir(root).unwrap() {
         for entry in std::fs::read_dir(folder.unwrap().path()).unwrap() {
             let path = entry.unwrap().path();
-            // Tables of several runs, whose first column is another one, are cut into recordings by whoever uses them.
+            // Tables of several runs have another first column; their users cut them into recordings.
             let is_recording = |text: &str| text.starts_with("t_s");
             if path.extension().is_some_and(|e| e == "csv")
                 && is_recording(&std::fs::read_to_string(&path).unwrap())

@@ -1,4 +1,4 @@
-//! Statistics of a range of a channel, from its samples and not from what is drawn of them.
+//! Statistics of a range of a channel, computed from its samples and not from the drawn curve.
 
 use super::stored::Samples;
 

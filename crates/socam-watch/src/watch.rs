@@ -131,7 +131,7 @@ impl Watch {
     /// Takes all samples of a recording with the watch's channels.
     ///
     /// # Errors
-    /// As [`Watch::push`], and when the recording cannot be read.
+    /// The errors of [`Watch::push`], and an error when the recording cannot be read.
     pub fn push_all(&mut self, recording: &Dataset) -> Result<Vec<Event>, WatchError> {
         let (_, columns) = columns_of(&self.model, recording.channels())?;
         let mut events = Vec::new();
@@ -147,7 +147,7 @@ impl Watch {
     /// Ends the samples: names the causes of an alarm whose window is not full yet.
     ///
     /// # Errors
-    /// As [`Watch::push`].
+    /// The errors of [`Watch::push`].
     pub fn finish(&mut self) -> Result<Vec<Event>, WatchError> {
         let Some(active) = &mut self.active else { return Ok(Vec::new()) };
         let named = active.name(&self.settings, true)?;

@@ -53,13 +53,13 @@ pub struct Identity {
     pub front_end: FrontEnd,
     /// Why its program started last.
     pub start: Start,
-    /// Where the drive's enable line is read back.
+    /// Place at which the drive's enable line is read back.
     pub enable_feedback: EnableFeedback,
     /// Whether its program is the one that was flashed.
     pub image: Image,
 }
 
-/// Where a board reads the drive's enable line back.
+/// Place at which a board reads the drive's enable line back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EnableFeedback {
     /// The board cannot.

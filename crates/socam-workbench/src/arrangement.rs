@@ -1,4 +1,4 @@
-//! Plots and their places as they are stored: nested columns, rows and tabs.
+//! Stored form of plots and their places: nested columns, rows and tabs.
 
 use std::collections::BTreeSet;
 

@@ -35,7 +35,7 @@ impl<K: Clone + PartialEq, T: Send + 'static> Computed<K, T> {
         self.running.is_some()
     }
 
-    /// The result and what it is of: while the next one is being computed, that is the last one. `Err` is a sentence.
+    /// The result and its input: while the next one is being computed, these are the last ones. `Err` is a sentence.
     pub fn get(
         &mut self,
         wake: &Wake,

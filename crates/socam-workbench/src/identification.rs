@@ -61,7 +61,7 @@ pub struct Parameter {
     /// Formula in terms of parameters, for combinations.
     #[serde(default)]
     pub expression: String,
-    /// Why it is not determined, or anything else worth saying.
+    /// Reason why the parameter is not determined, or another remark.
     #[serde(default)]
     pub note: String,
 }

@@ -116,7 +116,7 @@ impl<T: Send + 'static> Job<T> {
     }
 }
 
-/// Runs what is there, once.
+/// Runs the stored function once, if there is one.
 fn take_and_run(work: &Mutex<Option<impl FnOnce()>>) {
     let work = work.lock().unwrap_or_else(PoisonError::into_inner).take();
     if let Some(work) = work {
@@ -124,7 +124,7 @@ fn take_and_run(work: &Mutex<Option<impl FnOnce()>>) {
     }
 }
 
-/// A job that may fail, be cancelled and be begun again, with what went wrong the last time.
+/// A job that may fail, be cancelled and be started again, with the error of the last attempt.
 #[derive(Debug)]
 pub struct Attempt<T> {
     job: Option<Job<Result<T, String>>>,
@@ -180,7 +180,7 @@ impl<T: Send + 'static> Attempt<T> {
     }
 }
 
-/// Time from which on the remaining time is estimated, s, and the least progress for that, 1.
+/// Time after which the remaining time is estimated, s. The next constant is the least progress for that, 1.
 const KNOWN_AFTER_S: f64 = 2.0;
 const KNOWN_FROM: f64 = 0.02;
 

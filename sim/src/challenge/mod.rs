@@ -62,7 +62,7 @@ pub struct Case {
     pub seed: u64,
     /// Number of the case among those of the seed.
     pub number: u64,
-    /// The kind of what is hidden.
+    /// Kind of the hidden effects.
     pub kind: Kind,
     /// Whether it has a background.
     pub realistic: bool,

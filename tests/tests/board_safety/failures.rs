@@ -1,4 +1,4 @@
-//! Failures of an emulated board in a run, and what is told of them.
+//! Failures of an emulated board in a run, and the reports on them.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -65,8 +65,8 @@ pub(super) fn error(ran: &Ran) -> &str {
     ran.stderr.lines().rfind(|line| line.starts_with("error: ")).unwrap_or_else(|| panic!("{ran:?}"))
 }
 
-/// One failure after the other: what happens, within which time it must stop the bench, what is said of it, and what mends it. The next
-/// run's host is told first what the board remembers.
+/// Tests failures in turn. Each has a name, the time within which it must stop the bench, its message, and the injection that
+/// repairs it. The next run's host first receives the fault that the board remembers.
 #[track_caller]
 pub(super) fn stop_in_turn(board: &mut Emulator, failures: &[(&str, f64, &str, &str)]) {
     let mut remembered: Option<&str> = None;
@@ -83,7 +83,7 @@ pub(super) fn stop_in_turn(board: &mut Emulator, failures: &[(&str, f64, &str, &
     remembers(board, remembered.unwrap_or_default());
 }
 
-/// The next run goes well, and its host is told first what the board remembers.
+/// The next run succeeds, and its host first receives the fault that the board remembers.
 #[track_caller]
 pub(super) fn remembers(board: &mut Emulator, fault: &str) {
     let ran = record(board, &[]);

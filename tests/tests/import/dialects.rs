@@ -1,4 +1,4 @@
-//! `info` and `check` read one table alike, whatever dialect or container it is in.
+//! `info` and `check` give the same results for a table in any dialect or container.
 
 #[path = "../../../crates/socam-import/tests/tables/mod.rs"]
 mod tables;

@@ -124,8 +124,8 @@ fn tables_of_the_world_are_read_without_a_mapping() {
     }
 }
 
-/// A drive's log at 1 kHz and a load's at 100 Hz with a clock of its own, an encoder of 12 bits as the only sensor of the motor, a value
-/// that stands for none, and a current that stands for a torque.
+/// A drive's log at 1 kHz and a load's at 100 Hz with its own clock, an encoder of 12 bits as the only sensor of the motor, a value
+/// that marks missing samples, and a current that represents a torque.
 #[test]
 fn counts_rates_offsets_and_scales_are_what_the_mapping_says() {
     let folder = tempfile::tempdir().unwrap();

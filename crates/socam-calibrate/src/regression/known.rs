@@ -107,7 +107,7 @@ fn errors(
     weight: f64,
 ) -> (Scores, Vec<f64>) {
     let (rows, columns) = design.shape();
-    // The residual of a row of high leverage is divided by what the fit leaves of its error (HC3).
+    // The residual of a row of high leverage is divided by the fraction of its error that the fit leaves (HC3).
     let own: Vec<f64> = (0..rows)
         .map(|row| {
             let x = design.row(row).transpose();

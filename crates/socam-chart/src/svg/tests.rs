@@ -6,7 +6,7 @@ use crate::chart::{self, Chart, Curve};
 use crate::heat::{Cells, Heat};
 use crate::xy::Cloud;
 
-/// What the charts that a function draws leave for exports.
+/// Contents for exports of the charts that a function draws.
 fn seen(draw: impl Fn(&mut egui::Ui, &mut Vec<Seen>)) -> Vec<Seen> {
     let ctx = egui::Context::default();
     let mut seen = Vec::new();

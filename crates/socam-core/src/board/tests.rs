@@ -91,7 +91,7 @@ fn every_bit_that_flips_in_the_configuration_cuts_the_output_at_the_next_tick() 
             assert!(board.ports.enabled && board.fault.is_none());
         }
     }
-    // The profile says what the setpoint is: volts, or a speed that the motor's calibration turns into volts.
+    // The profile states whether the setpoint is in volts, or is a speed that the motor's calibration converts to volts.
     for flip in PROFILE_FIELDS {
         board.loaded.edit(|profile| flip(profile.as_mut().unwrap()));
         board.tick();

@@ -135,7 +135,7 @@ pub enum Shape {
 /// Most lines of a multisine: what the sum's integer format holds.
 pub const MAX_LINES: u32 = 256;
 
-/// Which multiples of the line spacing a multisine contains.
+/// Multiples of the line spacing that a multisine contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Lines {

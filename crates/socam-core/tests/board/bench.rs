@@ -15,7 +15,7 @@ pub(crate) struct Bench {
     pub(crate) forced: [Option<i16>; MAX_CHANNELS],
     pub(crate) output: i16,
     pub(crate) enabled: bool,
-    /// Where the enable line is held.
+    /// State in which the enable line is stuck, if it is.
     pub(crate) line_stuck: Option<bool>,
     /// Equal codes in a row that the converter has given on channel 2.
     pub(crate) codes: Option<u32>,

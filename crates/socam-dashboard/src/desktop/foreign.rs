@@ -1,5 +1,5 @@
-//! Recordings of any format, also of other programs, as the command line reads them; with a mapping where a file does not say what its
-//! numbers are.
+//! Recordings of any format, also of other programs, as the command line reads them. A mapping is used where a file does not state
+//! the meaning of its numbers.
 
 use std::path::{Path, PathBuf};
 

@@ -46,7 +46,7 @@ fn style(model: &Model, width: f64) -> Style {
     Style { column_width, ..style }
 }
 
-/// The area of an element: says what it is, and selects it.
+/// Area of an element, which shows the element's name under the pointer and selects the element on a click.
 fn point_at(
     ui: &Ui,
     (index, place): (usize, &Place),
@@ -196,7 +196,7 @@ mod tests {
         Model::builtin("speed-o-cam").unwrap()
     }
 
-    /// At every width of the window the chain stands in the lines in which a page has it.
+    /// At every width of the window the chain is wrapped into the same lines as on a page.
     #[test]
     fn the_bench_stands_in_the_lines_of_a_page() {
         let model = model();

@@ -83,7 +83,7 @@ impl ViewPanel for DiagnosisPage {
 }
 
 impl DiagnosisPage {
-    /// Draws it, with `above` over the list of findings; `empty` says what to do where there is no diagnosis.
+    /// Draws the panels of the diagnosis, with `above` over the list of findings. `empty` is the text where there is no diagnosis.
     pub(crate) fn panels(
         &mut self,
         ui: &mut Ui,

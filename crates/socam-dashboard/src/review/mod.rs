@@ -179,7 +179,7 @@ impl Review {
         })
     }
 
-    /// Draws the list and the plots. Returns what is asked of the window.
+    /// Draws the list and the plots. Returns the requests to the window.
     fn draw(&mut self, ui: &mut Ui, entries: &mut Vec<Entry>, seen: &mut Vec<Seen>) -> Vec<Request> {
         let mut requests = Vec::new();
         if let Some(closed) = self.list(ui, entries) {

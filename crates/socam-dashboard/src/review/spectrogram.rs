@@ -45,7 +45,7 @@ impl PartialEq for Key {
 #[derive(Debug, Default)]
 pub(super) struct Spectrogram {
     cells: Computed<Key, Cells>,
-    /// The last picture, and what it is of.
+    /// The last picture, and the inputs from which it was made.
     heat: Option<Heat>,
     of: Option<Key>,
     /// The vertical axis that the user set, Hz.

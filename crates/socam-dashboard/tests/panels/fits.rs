@@ -199,7 +199,7 @@ fn what_cannot_be_started_says_why() {
     window.get_by_label("Every parameter is fixed: free at least one.");
 }
 
-/// A recording whose outputs stand still has nothing to fit; the window says so and goes on.
+/// A recording with constant outputs has nothing to fit; the window says so and continues.
 #[test]
 fn a_fit_that_fails_says_why() {
     let mut dashboard = Dashboard::default();

@@ -79,7 +79,7 @@ pub(super) fn declare(d: &mut Description<'_>, library: &Library, body: &mut Bod
     }
 }
 
-/// Whether a component with a flange stands at a node.
+/// Whether a component with a flange is connected to a node.
 fn is_tied(d: &Description<'_>, node: usize) -> bool {
     d.model.springs.iter().any(|spring| spring.from == node || spring.to == Some(node))
         || d.model.gears.iter().any(|gear| gear.from == node || gear.to == node)

@@ -15,7 +15,7 @@ pub(crate) struct Link {
     pub(crate) coefficients: Vec<(usize, f64)>,
     pub(crate) stiffness: f64,
     pub(crate) damping: f64,
-    /// Springs of the model that it stands for, each with the torque through it per torque of the link.
+    /// Springs of the model that the link represents, each with the torque through it per torque of the link.
     pub(crate) springs: Vec<(usize, f64)>,
 }
 

@@ -1,4 +1,4 @@
-//! Joints' loads, tendons, and what is left out.
+//! Loads of joints, tendons, and parts that are left out.
 
 use socam_model::{Quantity, Site, effects::Form};
 

@@ -26,8 +26,8 @@ pub fn adjusted(p_values: &[f64]) -> Vec<f64> {
     found
 }
 
-/// p-value of several tests of one machine together (R. J. Simes, Biometrika 73, 1986): chance that any stands out as much where nothing
-/// is missing. 1 of none.
+/// Combined p-value of several tests of one machine (R. J. Simes, Biometrika 73, 1986): the probability that any test stands out as
+/// much if nothing is missing. It is 1 without tests.
 ///
 /// ```
 /// use socam_fleet::statistics::discovery::simes;

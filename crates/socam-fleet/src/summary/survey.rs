@@ -158,7 +158,7 @@ fn discoveries<T>(mut all: Vec<T>, fdr: f64, parts: impl Fn(&mut T) -> (&mut f64
     kept.into_iter().map(|(_, one)| one).collect()
 }
 
-/// The findings of machines that are listed; `None` where there are none.
+/// Findings of machines that are listed; `None` if there are none.
 fn grouped((effect, place): &(String, String), found: &Found, listed: &BTreeSet<&str>) -> Option<Group> {
     let own = found.members.iter().filter(|member| listed.contains(member.machine.as_str()));
     let mut members: Vec<_> = own.cloned().collect();

@@ -61,7 +61,7 @@ impl Table {
     /// The rows of one machine, by [`Row::machine_name`]. Of all other rows only the names are read.
     ///
     /// # Errors
-    /// As [`Self::open`].
+    /// The errors of [`Self::open`].
     pub fn of_machine(path: &Path, machine: &str) -> Result<Self> {
         let builder = builder(path)?;
         let mask = ProjectionMask::columns(builder.parquet_schema(), ["recording", "machine"]);

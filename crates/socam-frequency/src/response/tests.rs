@@ -46,8 +46,8 @@ fn noisy(values: &[f64], std: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
 
 const OPTIONS: Options = Options { band_hz: [1.0, 100.0], period_s: None };
 
-/// How often magnitude and phase lie in their intervals, percent, and the root mean square of errors in units of their standard
-/// deviation.
+/// Share of lines whose magnitude and phase lie in their intervals, per cent, and the root mean square of errors in units of their
+/// standard deviation.
 fn coverage(estimates: &[Response]) -> (f64, f64) {
     let lines: Vec<&Line> = estimates.iter().flat_map(|response| &response.lines).collect();
     let share = |holds: &dyn Fn(&Line) -> bool| {

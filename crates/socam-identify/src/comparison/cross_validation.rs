@@ -93,7 +93,8 @@ pub fn leave_one_out(
     Ok(Some(CrossValidation { held_out, blocks }))
 }
 
-/// A square root of the inverse of what all recordings say: `free` rows, a column for each direction that they determine.
+/// Square root of the inverse of the information of all recordings: it has `free` rows, and a column for each direction that the
+/// recordings determine.
 fn covariance_root(factor: &Mat<f64>, free: usize) -> Option<Mat<f64>> {
     let lengths = qr::lengths(factor.as_ref(), free);
     let scaled = Mat::from_fn(factor.nrows(), free, |i, j| factor[(i, j)] / lengths[j]);

@@ -154,7 +154,8 @@ impl<'f> Orthogonalised<'f> {
             lengths[*k] > LEAST_OWN * self.factor.col(group[*k]).norm_l2() && lengths[*k].is_normal()
         };
         let kept: Vec<usize> = (0..group.len()).filter(counts).collect();
-        // Of a few parameters of one effect each must change the residuals; of many points of a curve, only those that were excited.
+        // If one effect has few parameters, all of them must change the residuals; of the many points of a curve, only the excited
+        // ones are used.
         if kept.is_empty() || (kept.len() < group.len() && group.len() <= FEW) {
             return nothing;
         }

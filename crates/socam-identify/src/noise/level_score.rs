@@ -17,7 +17,7 @@ pub(crate) const STEP: f64 = 0.05;
 /// Largest step in the logarithm of a variance.
 pub(crate) const LONGEST: f64 = 1.5;
 
-/// The innovations filter at some noise levels, and those at each level a little larger and a little smaller.
+/// The innovations filter at some noise levels, and filters at slightly larger and slightly smaller values of each level.
 pub(crate) struct PerturbedFilters {
     /// Filters at the noise levels, then, for each level that is estimated, filters at a larger and at a smaller value.
     filters: FilterBatch,

@@ -75,8 +75,8 @@ impl ResidualNoise {
     }
 }
 
-/// States that influence the outputs, directly or through other states. A state that acts only on a law, such as the deflection of
-/// friction's bristles, is left out because it would have an undamped pole at one.
+/// States that influence the outputs, directly or through other states. A state that is driven only by a law, such as the
+/// deflection of friction's bristles, is left out because it would have an undamped pole at one.
 fn observed(equations: &Equations) -> Vec<usize> {
     let states = equations.state.ncols();
     let mut seen: Vec<usize> =

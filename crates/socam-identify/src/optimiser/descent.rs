@@ -201,8 +201,8 @@ fn accepted(
     Ok(lower)
 }
 
-/// How a descent ends after a refused step, if it does. A cost that rises along a step with a predicted decrease of less than `least` is
-/// rough, and shorter steps would only follow its folds.
+/// Reason to end a descent after a refused step, if there is one. A cost that rises along a step with a predicted decrease of less
+/// than `least` is rough, and shorter steps would only follow its folds.
 fn refused(at: &Descent, predicted: f64, least: f64, damping: f64) -> Option<End> {
     if predicted <= least {
         return Some(End::Converged);

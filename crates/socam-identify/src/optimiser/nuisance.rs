@@ -48,7 +48,7 @@ pub struct Local {
 /// ```
 ///
 /// # Errors
-/// As for [`evaluate`](fn@crate::evaluate).
+/// The errors of [`evaluate`](fn@crate::evaluate).
 pub fn start_states(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Local>, IdentifyError> {
     let fitted = fitted_nuisance(problem, values)?;
     let estimated = offset_channels(problem);

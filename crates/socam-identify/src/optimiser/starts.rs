@@ -1,4 +1,4 @@
-//! Several starts: the file's values and random ones are fitted to a part of the data, and the best goes on.
+//! Several starts: the file's values and random ones are fitted to a part of the data, and the best fit is continued.
 
 use rand_chacha::{
     ChaCha8Rng,

@@ -30,8 +30,8 @@ pub(crate) struct AcceptedStep<'w> {
     pub(crate) inactive_inputs: &'w InactiveInputs,
 }
 
-/// A switch from one mode to the next. The boundary is detected a little late: the state is taken back along the motion of the mode
-/// before, and forward along the motion of the mode after.
+/// A switch from one mode to the next. The boundary is detected slightly late, so the state is moved back along the motion of the
+/// mode before, and forward along the motion of the mode after.
 pub(crate) struct SwitchingEvent {
     /// Instant in the mode before, when the switch was detected.
     pub(crate) before: Instant,

@@ -181,7 +181,7 @@ impl HybridModes {
         Some(Self { dynamics: vec![touching, apart], modes, play, finest_s, free: free.len(), moving })
     }
 
-    /// The dynamics while teeth touch, that is of the network as it is.
+    /// Dynamics while teeth touch: those of the unchanged network.
     pub(crate) fn network(&self) -> &LinearDynamics {
         &self.dynamics[0]
     }

@@ -22,7 +22,7 @@ pub(crate) struct Recursion {
     steps: usize,
     /// Contributions to chi and psi, one to `steps` samples later, of a unit value of each of the inputs' coefficients about these
     /// steps, then of a unit value of the last chi. A unit value of the last psi contributes to psi what a unit value of chi
-    /// contributes to chi. Lanes are steps; real parts come first, then imaginary parts, which a real mode does not have.
+    /// contributes to chi. Lanes are steps; the imaginary part of each follows its real part, and a real mode has real parts only.
     weights: Vec<f64>,
     chi: C,
     psi: C,
@@ -53,7 +53,7 @@ impl Recursion {
         Self { hold, real, steps, weights, chi: C::default(), psi: C::default() }
     }
 
-    /// The same recursion started at chi = 1.
+    /// This recursion started at chi = 1.
     pub(crate) fn left_at_one(&self) -> Self {
         Self { chi: C::from(1.0), psi: C::default(), ..self.clone() }
     }

@@ -17,7 +17,7 @@ use crate::{
 /// Largest half width of the 95 % interval of a determined estimate, as a fraction of the estimate.
 const LARGEST_HALF_WIDTH: f64 = 0.5;
 
-/// Correlation above which two estimates cannot be told apart.
+/// Correlation above which two estimates cannot be distinguished.
 const STRONG_CORRELATION: f64 = 0.9;
 
 /// 95 % quantile of chi-square with one degree of freedom.

@@ -37,9 +37,9 @@ pub struct ParameterEstimate {
     pub identifiable: bool,
     /// Source of the value.
     pub source: Source,
-    /// Parameters that it cannot be told apart from.
+    /// Parameters that cannot be distinguished from this one.
     pub determined_with: Vec<String>,
-    /// Why it is not determined, or anything else worth saying.
+    /// Reason why the parameter is not determined, or another remark.
     pub note: String,
 }
 

@@ -57,7 +57,7 @@ pub(crate) fn offsets(
     all
 }
 
-/// A segment as it is called in results: the recording, and from when on where it has several.
+/// Name of a segment in results: the recording, and the start time of the segment if the recording has several.
 pub(crate) fn place(problem: &Problem<'_>, segment: &Segment) -> String {
     let dataset = &problem.datasets[segment.recording];
     let several = problem.segments.iter().filter(|other| other.recording == segment.recording).count() > 1;

@@ -92,7 +92,7 @@ fn start_states_and_parameters_that_nothing_shows_harm_no_others() {
     );
 }
 
-/// A motor whose measured speed is all there is.
+/// A motor of which only the speed is measured.
 const NOTHING_MOVES: &str = r#"
 schema = "socam.model/1"
 name = "shaft"

@@ -167,7 +167,7 @@ fn is_clock(path: &str) -> bool {
     matches!(path, "log_time" | "publish_time")
 }
 
-/// The decoder of a topic's messages, or why there is none.
+/// Decoder of a topic's messages, or the reason why there is none.
 fn decoder(encoding: &str, schema: Option<&(String, String, Vec<u8>)>) -> Result<Decoder, String> {
     let (name, schema_encoding, data) = match (encoding, schema) {
         ("json", _) => return Ok(Decoder::Json),

@@ -26,7 +26,7 @@ impl<'w> Arrays<'w> {
         Self { wanted, groups: Vec::new(), notes: Vec::new(), scalars: Vec::new() }
     }
 
-    /// Whether an array is worth reading.
+    /// Whether an array should be read.
     pub(super) fn takes(&self, path: &str, columns: usize) -> bool {
         (0..columns.min(MOST_COLUMNS))
             .any(|column| self.wanted.takes("", &column_name(path, columns, column)))

@@ -117,7 +117,7 @@ impl Draft {
         }
     }
 
-    /// The mapping of what is known.
+    /// Mapping of all facts that are known.
     pub(super) fn mapping(&self) -> Mapping {
         let clock = |clock: &ProposedClock| {
             let group = &self.source.groups[clock.group];

@@ -69,7 +69,7 @@ fn number(text: &str, decimal_comma: bool) -> Option<f64> {
     parsed.filter(|number| number.is_finite())
 }
 
-/// A number whose digits before the decimal sign stand in groups of three, with one sign between all of them.
+/// A number whose digits before the decimal sign form groups of three, with the same sign between all groups.
 fn grouped(text: &str, decimal: char) -> Option<f64> {
     const MARKS: [char; 7] = ['.', ',', '\'', '\u{2019}', '\u{a0}', '\u{202f}', ' '];
     let digits = text.strip_prefix(['-', '+']).unwrap_or(text);

@@ -9,7 +9,7 @@ use super::cells::{Cell, Style, cell, split, style};
 pub struct TextLayout {
     /// Name of the encoding, as in the WHATWG standard (`utf-8`, `utf-16le`, `windows-1252`).
     pub encoding: String,
-    /// Byte between cells; a blank stands for any number of blanks and tabulators.
+    /// Byte between cells; a blank means any number of blanks and tabulators.
     pub separator: u8,
     /// Whether numbers have a decimal comma.
     pub decimal_comma: bool,
@@ -21,7 +21,7 @@ pub struct TextLayout {
     pub first_line: usize,
     /// Whether lines end in a separator with nothing behind it.
     pub ends_in_separator: bool,
-    /// Words that stand for no value, beside the usual ones.
+    /// Words that mark a missing value, in addition to the usual ones.
     pub missing: Vec<String>,
 }
 

@@ -20,7 +20,7 @@ pub(super) const EFFECT: Effect = Effect {
     places: Places::Every,
     parameters: &[
         EffectParameter::new("gap", Kind::Angle, POSITIVE),
-        // Where a file gives none, the damping of the contact, which is proportional to its stiffness.
+        // The damping of the contact, which is proportional to its stiffness, is used where a file gives none.
         EffectParameter::usual(CONTACT_DAMPING, Kind::Damping, (0.0, 0.0)),
     ],
     borrows: Some(Borrowed::Contact),

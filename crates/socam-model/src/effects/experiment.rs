@@ -5,7 +5,7 @@
 pub struct Experiment {
     /// Name of a built-in profile.
     pub profile: &'static str,
-    /// How to run it and why; completes a sentence that begins with "Record `PROFILE`".
+    /// Instruction for the experiment and its reason; completes a sentence that begins with "Record `PROFILE`".
     pub how: &'static str,
     /// To separate two effects, the experiment with the higher number is proposed: it is the more specific one.
     pub precedence: u8,

@@ -90,7 +90,7 @@ pub struct Law {
     pub inactive: fn(parameters: &[f64]) -> bool,
 }
 
-/// How an effect enters the equations of motion.
+/// Form in which an effect enters the equations of motion.
 #[derive(Debug, Clone, Copy)]
 pub enum Form {
     /// The effect adds the forces of these laws.

@@ -44,8 +44,8 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::LARGE_TORQUE,
 };
 
-/// An input whose recorded values are limited: while its magnitude is at the limit, the true input exceeds the recorded one by `excess`,
-/// the mean of what was cut off. The true input within a limited interval is not modelled.
+/// An input whose recorded values are limited. While its magnitude is at the limit, the true input exceeds the recorded one by
+/// `excess`, the mean of the part that was cut off. The true input within a limited interval is not modelled.
 pub(super) const AT_INPUT: Effect = Effect {
     id: EFFECT.id,
     name: EFFECT.name,

@@ -56,7 +56,7 @@ pub(super) fn line_of(text: &str, offset: usize) -> usize {
     text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
 }
 
-/// The parser's error with its line, and with what to write.
+/// The parser's error with its line and a remedy.
 pub(super) fn explained(text: &str, error: &toml::de::Error) -> ModelError {
     let span = error.span().unwrap_or(0..0);
     let line = line_of(text, span.start);

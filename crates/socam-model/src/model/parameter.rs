@@ -29,7 +29,7 @@ pub struct Parameter {
     pub bounds: (f64, f64),
     /// Whether it is taken as exact and is not estimated.
     pub fixed: bool,
-    /// Where the value comes from.
+    /// Origin of the value.
     pub source: String,
     /// Prior, where the file gives one.
     pub prior: Option<Prior>,
@@ -44,6 +44,6 @@ pub struct Update {
     pub value: f64,
     /// 95 % interval, SI; `None` removes the file's.
     pub ci95: Option<[f64; 2]>,
-    /// Where the value comes from.
+    /// Origin of the value.
     pub source: String,
 }

@@ -12,7 +12,7 @@ pub(super) const LOWEST_SNR_DB: f64 = 10.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
-    /// For information.
+    /// The finding is for information.
     Note,
     /// A fit is possible, but weaker.
     Weakens,

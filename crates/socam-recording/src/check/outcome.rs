@@ -11,7 +11,7 @@ use crate::Unit;
 pub enum Verdict {
     /// No finding weakens or prevents a fit.
     Fit,
-    /// A fit is possible; the findings say what weakens it.
+    /// A fit is possible; the findings state what weakens it.
     FitWithReservations,
     /// A fit would be meaningless.
     Unfit,

@@ -90,7 +90,8 @@ pub(super) struct Runs {
 #[derive(Default)]
 struct Extreme {
     value: f64,
-    /// Of the runs that count: their rows, their number, the longest, and how many have a corner on both sides.
+    /// Number of rows of the runs that count; the next fields are the number of these runs, the longest, and the number of those
+    /// with a corner on both sides.
     rows: u64,
     runs: u64,
     longest: u64,

@@ -36,7 +36,7 @@ pub(super) struct Gatherer {
 }
 
 impl Gatherer {
-    /// For segments of at most `longest_segment` rows.
+    /// Creates the estimate for segments of at most `longest_segment` rows.
     pub(super) fn new(longest_segment: u64, sample_time_s: f64) -> Self {
         let quarter = usize::try_from(longest_segment / 4).unwrap_or(LONGEST).clamp(1, LONGEST);
         let length = 1_usize << quarter.ilog2();
@@ -180,7 +180,7 @@ impl Spectrum {
         })
     }
 
-    /// Amplitude of a line at this frequency; `None` when there is none that stands out.
+    /// Amplitude of a line at this frequency; `None` if no line stands out there.
     fn line_at(&self, frequency_hz: f64) -> Option<f64> {
         let bin = (frequency_hz / self.step_hz).round() as usize;
         let reach = (NEIGHBOURHOOD_HZ / self.step_hz) as usize;

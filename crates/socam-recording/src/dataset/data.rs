@@ -1,4 +1,4 @@
-//! The dataset: what is known of a recording once it is open.
+//! The dataset: description of a recording after it is opened.
 
 use std::sync::Arc;
 
@@ -151,7 +151,7 @@ impl Dataset {
         self
     }
 
-    /// Warnings from opening: what was not read, and what is missing.
+    /// Warnings from opening: parts that were not read, and parts that are missing.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings

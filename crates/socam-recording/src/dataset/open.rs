@@ -46,7 +46,7 @@ impl Dataset {
     /// ```
     ///
     /// # Errors
-    /// As [`Dataset::open`].
+    /// The errors of [`Dataset::open`].
     pub fn open_selection(selection: &Selection) -> Result<Self> {
         Self::open_wired(selection, &legacy::Wiring::default())
     }
@@ -122,7 +122,7 @@ impl Dataset {
     /// The selected part of columns in memory.
     ///
     /// # Errors
-    /// As [`Dataset::from_columns`], and when no row is selected.
+    /// The errors of [`Dataset::from_columns`], and an error when no row is selected.
     pub fn from_columns_within(
         selection: &Selection,
         channels: Vec<Channel>,

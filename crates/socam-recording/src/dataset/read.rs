@@ -57,7 +57,7 @@ impl Dataset {
     /// ```
     ///
     /// # Errors
-    /// As [`Dataset::blocks`].
+    /// The errors of [`Dataset::blocks`].
     ///
     /// # Panics
     /// When there is no such channel.

@@ -38,7 +38,7 @@ impl Dataset {
     /// ```
     ///
     /// # Errors
-    /// As [`Dataset::blocks`].
+    /// The errors of [`Dataset::blocks`].
     pub fn shared(&self) -> Result<Shared> {
         if let Source::Memory(memory) = &self.source {
             return Ok(Shared(memory.clone()));

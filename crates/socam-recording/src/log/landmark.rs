@@ -1,5 +1,5 @@
-//! Records that can be told from other bytes: chunks, metadata of this program, and the end of the data. Reading goes on at one of them
-//! after damage.
+//! Landmarks: records that can be distinguished from other bytes, namely chunks, metadata of this program, and the end of the data.
+//! After damage, reading continues at the next one.
 
 use std::io::{self, Read, Seek, SeekFrom};
 

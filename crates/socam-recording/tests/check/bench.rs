@@ -1,4 +1,4 @@
-//! A recording of a reducer with two speeds, and what a model says of it.
+//! A recording of a reducer with two speeds, and the requirements of a model on it.
 
 use std::f64::consts::TAU;
 

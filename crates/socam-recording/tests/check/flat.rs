@@ -11,7 +11,7 @@ fn quantised(value: f64, step: f64) -> f64 {
     (value / step).round() * step
 }
 
-/// At rest for two seconds, then a speed about which a tachometer of 16 bit swings, cut off at its range.
+/// A recording at rest for two seconds, then at a speed about which a tachometer of 16 bit swings, cut off at its range.
 fn tachometer(least: f64, greatest: f64, rows: usize) -> Vec<f64> {
     let speed = |i: usize| {
         let t = i as f64 / RATE_HZ;

@@ -78,7 +78,7 @@ fn a_log_whose_only_samples_are_damaged_names_the_damage() {
     let whole = std::fs::read(&path).unwrap();
     let [first, samples] = chunks(&whole)[..] else { panic!("a chunk of schemas and one of samples") };
     let end = whole.len();
-    // Its content, its opcode, and the schemas of a log that is cut off.
+    // The damage is in the content, in the opcode, and in the schemas of a log that is cut off.
     for (at, flip, length, named) in [
         (samples + 100, 0x55, end, format!("bytes at byte {samples} are damaged")),
         (samples, 0x04, end, "of 30 samples that were written 0 can be read".into()),

@@ -1,4 +1,4 @@
-//! MCAP logs: what is written comes back; a log cut anywhere opens as far as it is whole; a full disk is said.
+//! MCAP logs: values are read as they were written; a log that is cut anywhere opens up to the cut; a full disk is reported.
 
 mod bench;
 mod damage;

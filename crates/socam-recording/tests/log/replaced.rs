@@ -21,7 +21,7 @@ fn an_older_recording_stays_until_the_first_sample_of_the_new_one() {
     let header = socam_recording::RecordingHeader { replace: true, ..header() };
     let mut recorder = Recorder::create(&path, &header).unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), before);
-    // What a kill would leave now has the target's name in its own.
+    // The name of the file that a kill would now leave contains the target's name.
     assert!(files(folder.path()).iter().any(|name| name.starts_with("run.mcap.") && name.ends_with(".part")));
     assert!(recorder.finish().unwrap_err().to_string().contains("not one sample"));
     assert_eq!((std::fs::read(&path).unwrap(), files(folder.path())), (before, vec!["run.mcap".to_owned()]));

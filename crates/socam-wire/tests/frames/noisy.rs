@@ -14,7 +14,7 @@ const HEARTBEAT_EVERY: u32 = 1000;
 /// One byte in this number is damaged.
 const DAMAGED: u64 = 1000;
 
-/// What a channel reads at a tick: every sample differs from the one before and from its neighbours.
+/// Reading of a channel at a tick: every sample differs from the one before and from its neighbours.
 fn reading(tick: u32, channel: u32) -> i16 {
     ((tick.wrapping_mul(2_654_435_761) >> 13) ^ channel.wrapping_mul(0x5bd1)) as i16
 }
@@ -78,7 +78,7 @@ impl Line {
     }
 }
 
-/// The host's account of what arrived.
+/// Counts of the samples that arrived and were lost, as the host sees them.
 #[derive(Default)]
 struct Account {
     arrived: u32,
@@ -166,7 +166,7 @@ fn ten_minutes_at_10_khz_over_a_bad_link_falsify_nothing() {
     }
     let status = board.status();
     assert_eq!((status.state, status.fault, status.dropped), (State::Running, None, 0));
-    // What is missing at the end is known by its number alone.
+    // Samples that are missing at the end are known only by their number.
     let unsaid = TICKS - account.next_seq;
     println!(
         "measured: 10 min at 10 kHz, {} of {} bytes damaged: {} samples right, {} lost and counted, {} at the end, {} frames lost",

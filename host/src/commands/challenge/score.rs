@@ -55,7 +55,7 @@ pub(super) struct Score {
     pub(super) cpu_s: Option<f64>,
 }
 
-/// Whether a finding is observationally equivalent to what is hidden, by its number.
+/// Whether a finding is observationally equivalent to a hidden effect, which is given by its number.
 pub(super) type Equivalent<'a> = dyn Fn(&Finding, usize) -> bool + 'a;
 
 impl Score {
@@ -189,7 +189,8 @@ fn is_true(case: &Case, named: (&str, &str), delay_s: Option<f64>) -> bool {
     case.hidden.iter().any(|hidden| is_named(named, hidden)) || background::is_there(case, named, delay_s)
 }
 
-/// Benches whose model has massless points have some inertia there: such a finding is not wrong once the hidden effects are found.
+/// Whether a finding is a small inertia at a massless point of the model: the bench has some there, so the finding is not wrong
+/// once the hidden effects are found.
 fn is_small_mass(case: &Case, finding: &Finding) -> bool {
     let nodes = &case.machine.nodes;
     finding.effect == "missing_inertia"

@@ -151,7 +151,7 @@ impl<'s> Run<'s> {
         })
     }
 
-    /// Stops a board that goes on after the end of its profile; gives it up if it goes on after that.
+    /// Stops a board that continues after the end of its profile, and gives up if it continues after that.
     fn stop_overdue(&mut self) -> anyhow::Result<()> {
         if self.end.is_some() {
             return Ok(());

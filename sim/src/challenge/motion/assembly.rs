@@ -14,7 +14,7 @@ const LOWEST_CONTACT_HZ: f64 = 1200.0;
 const CONTACT_DAMPING: f64 = 0.2;
 
 impl Motion {
-    /// The machine with what its model lacks.
+    /// The machine with the parts that its model lacks.
     pub(in crate::challenge) fn new(machine: &Machine, unmodelled: &Unmodelled) -> Self {
         let Unmodelled { compliant, acting, inertia } = unmodelled;
         let nodes = tie(machine, compliant, acting);

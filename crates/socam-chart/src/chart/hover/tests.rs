@@ -27,7 +27,7 @@ fn the_readout_is_inside_of_the_chart_and_not_over_the_pointer() {
             assert!(!rect.expand(4.0).contains(pointer), "{pointer:?}: {rect:?}");
         }
     }
-    // In a chart that is too small it is inside nevertheless, from the top left on.
+    // In a chart that is too small, the text begins at the top left corner.
     assert_eq!(place(frame, vec2(600.0, 200.0), pos2(300.0, 60.0)).min, frame.min);
 }
 

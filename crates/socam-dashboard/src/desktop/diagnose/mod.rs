@@ -52,7 +52,7 @@ impl ViewPanel for Diagnose {
 }
 
 impl Diagnose {
-    /// Begins a diagnosis as it is set up.
+    /// Starts a diagnosis with the present set-up.
     pub(crate) fn start(&mut self, ctx: &Context, workspace: &Workspace) {
         self.maker.start(ctx, workspace);
     }

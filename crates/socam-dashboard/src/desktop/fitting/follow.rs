@@ -67,8 +67,8 @@ impl Observer for Follow {
     }
 }
 
-/// Share of an identification that precedes a stage as a rule. Each descent halves what is left: there are few as a rule, and seven at
-/// most.
+/// Usual share of an identification that precedes a stage. Each descent is taken to halve the remaining time: there are usually few
+/// descents, and seven at most.
 fn share(stage: Stage) -> f64 {
     match stage {
         Stage::Start { number, of } => BEFORE_DESCENTS * (number - 1) as f64 / of.max(1) as f64,

@@ -43,7 +43,7 @@ impl Kind {
         }
     }
 
-    /// A dot, a diamond, a square or a ring: not told apart by colour alone.
+    /// Draws a dot, a diamond, a square or a ring, so that kinds are not distinguished by colour alone.
     pub(super) fn mark(self, ui: &mut Ui) {
         let (rect, _) = ui.allocate_exact_size(vec2(SIZE, SIZE), Sense::hover());
         let (centre, radius, colour) = (rect.center(), 0.42 * SIZE, self.colour(ui));

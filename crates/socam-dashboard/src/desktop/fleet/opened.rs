@@ -1,4 +1,4 @@
-//! The table of a fleet as it is kept while it is shown: all tests and a few numbers of each machine, not its rows.
+//! The table of a fleet in the form in which it is kept for display: all tests and a few numbers of each machine, not its rows.
 
 use std::path::{Path, PathBuf};
 

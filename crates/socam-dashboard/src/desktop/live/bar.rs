@@ -33,7 +33,7 @@ struct Words {
     action: Option<&'static str>,
 }
 
-/// Draws the bar. Its parts have fixed places, whatever they say.
+/// Draws the bar. Its parts have fixed places, whatever their texts are.
 pub(super) fn draw(ui: &mut Ui, workspace: &mut Workspace) {
     let height = BUTTON.y + GAP + WORDS_HEIGHT;
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), egui::Sense::hover());

@@ -22,7 +22,7 @@ use readings::Readings;
 /// The live view.
 #[derive(Debug)]
 pub struct Live {
-    /// The picture that is held; the buffer goes on.
+    /// Samples of the picture that is held, while the buffer continues to fill.
     held: Option<Buffer>,
     readings: Readings,
     window_s: f64,

@@ -1,4 +1,4 @@
-//! The watch view: the model runs beside the bench, or beside a recording that is replayed, and an alarm says what has changed.
+//! Monitoring view: the model runs in parallel with the bench, or with a recording that is replayed, and an alarm names the change.
 
 mod alarms;
 mod charts;

@@ -101,13 +101,14 @@ impl Session {
         Self { job, overlay, events, is_live: feed.is_some(), feed, name }
     }
 
-    /// Passes on the samples of the running bench. When it has gone, the watch judges what it has, and ends.
+    /// Passes on the samples of the running bench. When the bench is disconnected, the monitoring evaluates the remaining samples
+    /// and ends.
     pub(super) fn take(&mut self, bench: &Feed) {
         if bench.channels.is_empty() {
             self.feed = None;
         }
         let Some(feed) = &self.feed else { return };
-        // A watch that failed receives nothing; its error is told at its end.
+        // If the monitoring has failed, it receives nothing; its error is reported at its end.
         bench.batches.iter().for_each(|batch| drop(feed.send(Arc::clone(batch))));
     }
 

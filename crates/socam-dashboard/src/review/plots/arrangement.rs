@@ -7,7 +7,7 @@ use socam_workbench::derivation::Derivation;
 use super::Plots;
 
 impl Plots {
-    /// The tiles as they are stored.
+    /// The tiles in their stored form.
     pub(in crate::review) fn arrangement(&self, derived: &[Derivation]) -> Arrangement {
         Arrangement {
             schema: SCHEMA.into(),

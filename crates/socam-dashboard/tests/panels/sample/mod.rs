@@ -80,7 +80,7 @@ pub(crate) const DIAGNOSIS: &str = include_str!("diagnosis.json");
 /// An identification as its file has it.
 pub(crate) const IDENTIFICATION: &str = include_str!("identification.json");
 
-/// Residuals that tell of dry friction at the load's bearing.
+/// Residuals that show dry friction at the load's bearing.
 pub(crate) fn evidence() -> Evidence {
     let mut noise = Noise(5);
     let stds = [("output_speed", "rad/s", 0.02), ("torque_in", "N m", 0.01), ("torque_out", "N m", 0.05)];

@@ -255,7 +255,7 @@ impl Expected {
         }
     }
 
-    /// Records that the summary should hold, by their kind, where its groups are as they are.
+    /// Records that the summary should contain, by their kind; `groups` are those of the file.
     fn expected(&self, groups: Vec<SummaryOffset>) -> BTreeMap<u8, Vec<String>> {
         fn texts<T: Clone>(all: &[T], record: fn(T) -> Record<'static>) -> Vec<String> {
             all.iter().map(|one| format!("{:?}", Some(record(one.clone())))).collect()

@@ -102,7 +102,7 @@ fn surviving_name(before: &[Step], draw: &mut Draw) -> Name {
     draw.of(&possible[from..])
 }
 
-/// A file's content after a loss of power: what was synced, and some blocks of what was not.
+/// Content of a file after a loss of power: all that was synced, and some blocks that were not.
 fn surviving_content(before: &[Step], synced: Option<usize>, is_torn: bool, draw: &mut Draw) -> Vec<u8> {
     let certain = synced.map_or(0, |step| appended(&before[..step]).len());
     let last = appended(before);
