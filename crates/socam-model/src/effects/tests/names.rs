@@ -89,12 +89,12 @@ fn a_literal_is_found_in_code_and_neither_in_comments_nor_in_unit_tests() {
 type Row<'t> = (&'t str, &'t str, BTreeSet<&'t str>);
 
 fn rows(text: &str) -> Vec<Row<'_>> {
-    let row = |line: &'_ str| -> Option<Row<'_>> {
+    fn row(line: &str) -> Option<Row<'_>> {
         let mut cells = line.strip_prefix("| `")?.split(" | ");
         let id = cells.next()?.split('`').next()?;
         let (place, parameters) = (cells.next()?, cells.next()?);
         Some((id, place, parameters.split('`').skip(1).step_by(2).collect()))
-    };
+    }
     text.split("| id | place |").nth(1).unwrap_or_default().lines().filter_map(row).collect()
 }
 
