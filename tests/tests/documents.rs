@@ -6,6 +6,8 @@ mod commands;
 mod crates;
 mod formats;
 mod links;
+#[cfg(all(unix, feature = "full"))]
+mod pictures;
 
 use std::fs;
 use std::path::{Path, PathBuf};
