@@ -108,7 +108,6 @@ mod tests {
     use socam_model::effects;
 
     use super::*;
-    use crate::challenge::flaw::{Flaw, FlawedChannel};
 
     fn fault(text: &str) -> Result<Fault, SimError> {
         let hidden: Concealed = text.parse()?;
@@ -130,8 +129,11 @@ mod tests {
     }
 
     /// The challenge has laws of its own: both say the same.
+    #[cfg(feature = "challenge")]
     #[test]
     fn the_catalogue_and_the_challenge_agree_on_each_flaw() {
+        use crate::challenge::flaw::{Flaw, FlawedChannel};
+
         let all = [
             "sensor_gain@x:gain=0.98",
             "sensor_offset@x:offset=-0.2",
