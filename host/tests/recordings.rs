@@ -259,7 +259,8 @@ fn what_is_no_readable_file_is_refused_at_once() {
     let utf16: Vec<u8> = "t_s,a_1\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
     std::fs::write(at("utf16.csv"), [b"\xff\xfe", utf16.as_slice()].concat()).expect("a file");
     std::fs::write(at("utf16.toml"), [b"\xff\xfe", utf16.as_slice()].concat()).expect("a file");
-    refused(&["info", &at("utf16.csv")], 1, "UTF-16");
+    // A table may be in UTF-16; this one names a channel and holds a single row.
+    assert_eq!(socam(&["info", &at("utf16.csv")]).status.code(), Some(0));
     refused(&["check", "--model", &at("utf16.toml"), &run], 1, "UTF-16");
     let header: String = (0..1_000_000).map(|column| format!(",c{column}_1")).collect();
     std::fs::write(at("wide.csv"), format!("t_s{header}\n")).expect("a file");

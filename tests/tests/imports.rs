@@ -55,10 +55,7 @@ const RECORDER: [&str; 6] =
 const WINDOW: [&str; 3] = ["egui", "eframe", "socam_dashboard"];
 
 /// Known exceptions: a crate, its import, and the change that will remove it. An entry that is no longer needed fails.
-const KNOWN_IMPORTS: [(&str, &str, &str); 2] = [
-    ("socam-diagnose", "socam_plot", "its pages move into a crate of reports"),
-    ("socam-diagnose", "maud", "its pages move into a crate of reports"),
-];
+const KNOWN_IMPORTS: [(&str, &str, &str); 0] = [];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()

@@ -5,7 +5,7 @@ use std::hash::{DefaultHasher, Hasher};
 
 use socam_recording::{Dataset, RecordingError, Selection};
 
-use crate::{DiagnoseError, final_choice::FinalChoice};
+use crate::{error::DiagnoseError, final_choice::FinalChoice};
 
 /// Recordings that are held out. [`diagnose`](fn@crate::diagnose) opens them after the last choice; before, it only compares checksums of
 /// those in memory with the training recordings. What opens a file should be checked before: see [`refuse_copies`].

@@ -40,6 +40,7 @@ mod criterion;
 mod diagnose;
 mod elimination;
 mod equivalence;
+mod error;
 mod experiment;
 mod extension;
 mod final_choice;
@@ -72,7 +73,8 @@ pub mod steady;
 mod words;
 
 pub use answer::INADEQUATE;
-pub use diagnose::{Answer, DiagnoseError, diagnose};
+pub use diagnose::{Answer, diagnose};
+pub use error::DiagnoseError;
 pub use held_out::{HeldOut, refuse_copies};
 pub use options::Options;
 pub use screening::{Frozen, Screening, Suspect, screen};

@@ -4,13 +4,13 @@
 //! These functions are the same calculations, always on one.
 
 use faer::{
-    Accum, Conj, Mat, Par,
+    Accum, ColRef, Conj, Mat, Par,
     diag::Diag,
     dyn_stack::{MemBuffer, MemStack},
     linalg::{
         cholesky::llt,
         evd::{self, ComputeEigenvectors},
-        matmul::matmul,
+        matmul::{dot::inner_prod, matmul},
         qr::no_pivoting as qr,
         svd::{self, ComputeSvdVectors},
     },
@@ -29,6 +29,11 @@ pub(crate) fn product(
     let mut product = Mat::zeros(left.nrows(), right.ncols());
     matmul(product.as_mut(), Accum::Replace, left, right, 1.0, PAR);
     product
+}
+
+/// The inner product of two columns of equal length.
+pub(crate) fn dot(left: ColRef<'_, f64>, right: ColRef<'_, f64>) -> f64 {
+    inner_prod(left.transpose(), Conj::No, right, Conj::No)
 }
 
 /// The product of a transposed matrix with itself.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use socam_units::{Conversion, Meaning, Unit, column, distinct_names};
 
-use crate::csv_lines::number;
+use crate::cell::number;
 use crate::error::excerpt;
 use crate::line_problem::LineProblem;
 use crate::warning::Warning;

@@ -17,20 +17,6 @@ const BUFFER_BYTES: usize = 1 << 18;
 /// Most columns of a file.
 const MOST_COLUMNS: usize = 10_000;
 
-/// A cell's number, `None` when it is empty.
-pub(crate) fn number(cell: &[u8], column: &str) -> Result<Option<f64>, LineProblem> {
-    let cell = cell.trim_ascii();
-    if cell.is_empty() {
-        return Ok(None);
-    }
-    let parsed = std::str::from_utf8(cell).ok().and_then(|c| c.parse().ok());
-    match parsed {
-        Some(value) if f64::is_finite(value) => Ok(Some(value)),
-        Some(_) => Err(LineProblem::NotFinite { column: column.into(), found: excerpt(cell) }),
-        None => Err(LineProblem::NotANumber { column: column.into(), found: excerpt(cell) }),
-    }
-}
-
 /// Lines of a CSV file with a header, with their line numbers.
 pub(crate) struct CsvLines {
     path: PathBuf,

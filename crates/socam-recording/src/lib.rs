@@ -28,6 +28,7 @@
 mod beside;
 mod calibration_edit;
 mod calibration_file;
+mod cell;
 mod channel;
 pub mod check;
 mod checksum;

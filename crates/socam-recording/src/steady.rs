@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use crate::Channel;
+use crate::cell::number;
 use crate::channel::{TableColumn, table_columns};
-use crate::csv_lines::{CsvLines, number};
+use crate::csv_lines::CsvLines;
 use crate::error::{RecordingError, Result};
 use crate::format::{self, Format};
 use crate::line_problem::LineProblem;

@@ -8,7 +8,8 @@ use socam_model::{
     drawing::{Drawing, Item, Paint, PlaceMark, Point, Shape, Style, diamond},
 };
 
-use crate::diagnosis::STYLE;
+/// The style sheet of pages that draw a bench; the rules of the drawing begin with `.bench`.
+pub(crate) const STYLE: &str = include_str!("diagnosis/style.css");
 
 /// The drawing on a wide screen, and on a narrow one, where the chain is wrapped.
 const STYLES: [(&str, Style); 2] = [

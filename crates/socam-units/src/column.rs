@@ -1,7 +1,8 @@
 //! The one rule for the columns of tables, whatever text, program or container they come from.
 
+use crate::plain::plain_name;
 use crate::spelling::{conversion, is_counts, seconds};
-use crate::{Conversion, Unit, plain_name};
+use crate::{Conversion, Unit};
 
 /// What a column holds, by its name and by the unit that the file states apart from the name.
 #[derive(Debug, Clone, PartialEq)]

@@ -13,14 +13,17 @@
 mod channel;
 mod column;
 mod names;
+mod plain;
 mod product;
 mod scale;
 mod spelling;
+mod symbol;
 mod table;
 
 pub use channel::{Conversion, Unit};
 pub use column::{Column, Meaning, column};
-pub use names::{distinct_names, plain_name};
+pub use names::distinct_names;
+pub use plain::plain_name;
 pub use product::Product;
 pub use scale::{Dimension, Scale, parse};
 pub use spelling::{conversion, is_counts, seconds};

@@ -3,8 +3,6 @@
 use std::fmt;
 use std::ops::{Div, Mul};
 
-use crate::{scale, table};
-
 /// Base units in the order in which they are written.
 const BASES: [&str; 7] = ["N", "V", "A", "K", "m", "rad", "s"];
 
@@ -40,13 +38,6 @@ impl Product {
     pub const SECOND: Self = Self([0, 0, 0, 0, 0, 0, 1]);
     pub(crate) const WATT: Self = Self([1, 0, 0, 0, 1, 1, -1]);
     pub(crate) const JOULE: Self = Self([1, 0, 0, 0, 1, 1, 0]);
-
-    /// Reads a product of SI units without prefixes, such as `N m`, `rad/s2` or `1/(V s)`; `None` for anything else.
-    #[must_use]
-    pub fn of_symbol(symbol: &str) -> Option<Self> {
-        let scale = scale::read(symbol, table::Words::All)?;
-        (scale.factor == 1.0 && scale.offset == 0.0).then_some(scale.product)
-    }
 
     /// Exponent of the radian.
     #[must_use]
@@ -101,36 +92,5 @@ impl fmt::Display for Product {
             [one] => write!(f, "/{one}"),
             more => write!(f, "/({})", more.join(" ")),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Unit;
-
-    #[test]
-    fn every_unit_of_channels_is_read_and_written_as_it_was() {
-        for unit in Unit::ALL {
-            let read = Product::of_symbol(unit.symbol()).map(|product| product.to_string());
-            assert_eq!(read.as_deref(), Some(unit.symbol()));
-        }
-        assert_eq!(Product::of_symbol("furlong"), None);
-    }
-
-    #[test]
-    fn products_and_quotients_have_their_units() {
-        let unit = |text: &str| Product::of_symbol(text).unwrap();
-        let said = |product: Product| product.to_string();
-        assert_eq!(said(unit("N m") * unit("rad/s")), "W");
-        assert_eq!(said(unit("V") * unit("A")), "W");
-        assert_eq!(said(unit("N m") / Product::SECOND), "N m/s");
-        assert_eq!(said(unit("W") * Product::SECOND), "J");
-        assert_eq!(said(unit("rad/s") * Product::SECOND), "rad");
-        assert_eq!(said(unit("rad/s") / Product::SECOND), "rad/s2");
-        assert_eq!(said(unit("N m") / unit("rad")), "N m/rad");
-        assert_eq!(said(unit("rad/s") / unit("rad/s")), "1");
-        assert_eq!(said(unit("1") / unit("V") / Product::SECOND), "1/(V s)");
-        assert_eq!(unit("1/(V s)"), unit("1") / unit("V") / Product::SECOND);
     }
 }

@@ -26,7 +26,7 @@ use crate::table;
   socam-host simulate --input axis.csv --model emps-loop -o predicted.csv")]
 #[command(group(clap::ArgGroup::new("what is simulated").args(["profile", "input"]).required(true)))]
 #[command(group(clap::ArgGroup::new("of a profile").args(["duration_s", "rate_hz", "noise"]).multiple(true).conflicts_with("input")))]
-#[command(group(clap::ArgGroup::new("of an input").args(["disturb", "between", "from_rest"]).multiple(true).requires("input")))]
+#[command(group(clap::ArgGroup::new("of an input").args(["disturb", "between", "from_rest"]).multiple(true).requires("input").conflicts_with("profile")))]
 pub(crate) struct Args {
     /// Recording to write (.mcap or .csv)
     #[arg(short, long, value_name = "RUN", required_unless_present = "input")]

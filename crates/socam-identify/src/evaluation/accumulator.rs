@@ -9,6 +9,7 @@ use crate::{
         segment::{ChannelSums, SegmentEvaluation, is_determined},
         weights::Weights,
     },
+    matrix::dot,
     noise::{
         discrepancy::Discrepancy,
         level_score,
@@ -235,7 +236,7 @@ impl Scores {
                 self.squares[block] += residual.squared_norm_l2();
                 let sums = self.sums[block][skipped..].iter_mut();
                 sums.zip(own.col_iter())
-                    .for_each(|(sum, sensitivities)| *sum += sensitivities.transpose() * residual);
+                    .for_each(|(sum, sensitivities)| *sum += dot(sensitivities, residual));
             }
             from = to;
         }

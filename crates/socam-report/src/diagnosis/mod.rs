@@ -22,7 +22,6 @@ use socam_recording::{OutputFile, ProfileFile, RecordingError};
 use thiserror::Error;
 
 use crate::{FileHash, Provenance};
-pub(crate) use page::STYLE;
 
 /// A report that could not be written.
 #[derive(Debug, Error)]

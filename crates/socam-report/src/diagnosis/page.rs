@@ -13,8 +13,6 @@ use crate::{
     scaffold::{self, folded, prose},
 };
 
-pub(crate) const STYLE: &str = include_str!("style.css");
-
 /// A part of the page under the headline and the first picture, which can be folded.
 struct Section {
     /// Its anchor.
@@ -42,7 +40,7 @@ pub(super) fn page(
         @for section in &sections { (folded(section.id, section.title, section.open, &section.body)) }
     };
     let title = format!("{} - diagnosis of {}", headline.title, model.name);
-    scaffold::page(&title, STYLE, &head(&headline, model), &main)
+    scaffold::page(&title, bench::STYLE, &head(&headline, model), &main)
 }
 
 /// All sections that have something to say.
