@@ -10,6 +10,10 @@ use serde::Serialize;
 use socam_job::{Grid, JobError};
 use socam_recording::{Dataset, OutputFile, RecordingError};
 
+/// Help of every argument that names recordings.
+pub(crate) const RUNS_HELP: &str =
+    "Recordings in any format that `import` reads, or parts of them: RUN@FROM..TO in seconds";
+
 /// Arguments that no command can work with; ends with exit code 2.
 #[derive(Debug)]
 pub(crate) struct WrongArguments(pub(crate) String);

@@ -19,8 +19,7 @@ use crate::{output, table};
   socam-host check axis.csv --model emps              a servo axis, driven by a force
   socam-host check anything.csv --input voltage       without a model")]
 pub(crate) struct Args {
-    /// Recordings (.mcap, .csv or .m), or parts of them: RUN@FROM..TO in seconds
-    #[arg(value_name = "RUN", required = true)]
+    #[arg(value_name = "RUN", required = true, help = output::RUNS_HELP)]
     runs: Vec<String>,
     #[command(flatten)]
     task: socam_job::Check,

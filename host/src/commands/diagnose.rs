@@ -25,8 +25,7 @@ pub(crate) use text::text;
   socam-host diagnose RUN*.mcap --report report --write-model corrected.toml
   socam-host diagnose POINTS.csv                 # steady states: a table whose first column is `point_1`")]
 pub(crate) struct Args {
-    /// Recordings (.mcap, .csv, legacy .m), or parts of them: RUN@FROM..TO in seconds
-    #[arg(value_name = "RUN", required = true)]
+    #[arg(value_name = "RUN", required = true, help = output::RUNS_HELP)]
     runs: Vec<String>,
     /// Held-out recordings for validation, used in no fit and in no choice; may be repeated
     #[arg(long, value_name = "RUN")]

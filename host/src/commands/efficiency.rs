@@ -24,8 +24,7 @@ use crate::{calibrated, table};
   socam-host efficiency new.mcap --against old.mcap --map both.svg
   socam-host efficiency coupling.mcap --model coupling-testbed.toml")]
 pub(crate) struct Args {
-    /// Recordings (.mcap, .csv, legacy .m), or parts of them: RUN@FROM..TO in seconds
-    #[arg(value_name = "RUN", required = true)]
+    #[arg(value_name = "RUN", required = true, help = output::RUNS_HELP)]
     runs: Vec<String>,
     #[arg(long, value_name = "MODEL", default_value = "speed-o-cam", help = socam_job::MODEL_HELP)]
     model: String,

@@ -19,8 +19,7 @@ use crate::output::{self, WrongArguments};
   socam-host export run.mcap@2..10 -o part.csv     only from 2 s to 10 s
   socam-host export run.mcap -o - | head")]
 pub(crate) struct Args {
-    /// Recordings (.mcap, .csv or .m), or parts of them: RUN@FROM..TO in seconds
-    #[arg(value_name = "RUN", required = true)]
+    #[arg(value_name = "RUN", required = true, help = output::RUNS_HELP)]
     runs: Vec<String>,
     /// File to write, for a single RUN; `-` for stdout [default: beside RUN, with the extension .csv]
     #[arg(short, long, value_name = "FILE")]

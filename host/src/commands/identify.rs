@@ -38,8 +38,7 @@ use result::report;
   socam-host identify RUN.mcap --method etf --orders 3/6 --stable --report transfer
   socam-host identify transfer/transfer.json --method coefficient-match")]
 pub(crate) struct Args {
-    /// Recordings (.mcap, .csv, legacy .m), or parts of them: RUN@FROM..TO in seconds
-    #[arg(value_name = "RUN", required = true)]
+    #[arg(value_name = "RUN", required = true, help = output::RUNS_HELP)]
     runs: Vec<String>,
     /// Validation recordings, predicted with the result and not used in the fit; may be repeated
     #[arg(long, value_name = "RUN")]

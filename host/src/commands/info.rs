@@ -16,8 +16,7 @@ use contents::{Info, info};
   socam-host info run.csv@2..10          only from 2 s to 10 s
   socam-host info --json *.mcap")]
 pub(crate) struct Args {
-    /// Recordings (.mcap, .csv or .m), or parts of them: RUN@FROM..TO in seconds
-    #[arg(value_name = "RUN", required = true)]
+    #[arg(value_name = "RUN", required = true, help = output::RUNS_HELP)]
     runs: Vec<String>,
     /// Print one JSON document instead of text
     #[arg(long)]

@@ -19,8 +19,7 @@ use crate::output;
   socam-host watch RUN.mcap --model bench.toml --baseline monday.mcap --baseline tuesday.mcap
   socam-host watch RUN.csv --model bench.toml --baseline RUN.csv@0..60 --false-alarms-per-hour 0.1 --json")]
 pub(crate) struct Args {
-    /// Recordings (.mcap, .csv or .m), or parts of them: RUN@FROM..TO in seconds
-    #[arg(value_name = "RUN", required = true)]
+    #[arg(value_name = "RUN", required = true, help = output::RUNS_HELP)]
     runs: Vec<String>,
     #[command(flatten)]
     model: ModelSettings,

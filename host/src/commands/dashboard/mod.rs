@@ -24,7 +24,7 @@ use crate::output::{self, WrongArguments};
 
 /// Open the dashboard: the running bench, recordings, identification and diagnosis
 ///
-/// Opens recordings (.mcap, .csv, .m), models and input signals (.toml), identifications and diagnoses (.json, or the folder of a
+/// Opens recordings of any format, models and input signals (.toml), identifications and diagnoses (.json, or the folder of a
 /// report), and the table of a fleet (.parquet). With --screenshot it draws one picture without a display; when a recording in it is damaged or cut off, or lacks samples, it
 /// ends with exit code 3.
 #[derive(Debug, clap::Args)]
