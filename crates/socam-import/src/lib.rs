@@ -1,7 +1,7 @@
 //! Recordings that other programs wrote, as a [`Dataset`](socam_recording::Dataset).
 //!
 //! A reader (`formats`, `text`, `tdms`) gives a source: groups of signals with a clock each. A mapping, read from a file or proposed from names
-//! and units, says which signal is which channel; `times` and `align` put the clocks together; the result is a `Dataset`. [`open`] is
+//! and units, says which signal is which channel; `times` and `align` put the clocks together; the result is a `Dataset`. [`open()`] is
 //! how every command opens a recording, whatever wrote it.
 
 mod align;

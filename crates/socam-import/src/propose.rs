@@ -104,7 +104,7 @@ pub fn propose(path: &Path) -> Result<Proposal> {
 /// rule of `socam`'s own CSV, columns without a unit are left out, as they are in such a CSV.
 ///
 /// # Errors
-/// As [`import`](fn@import); also where a unit or a time is not stated, which `import --propose` shows.
+/// As [`import`](fn@crate::import); also where a unit or a time is not stated, which `import --propose` shows.
 pub fn import_stated(selection: &Selection) -> Result<Imported> {
     let path = &selection.path;
     let mut draft = Draft::of(path)?;

@@ -7,10 +7,10 @@
 //! | `fleet` | the summary of a fleet's table | a page |
 //! | `response` | frequency responses and transfer functions | a page, and its pictures |
 //! | `thesis` | the numbers of the thesis | a page |
-//! | [`bench`] | a model | a drawing |
+//! | [`mod@bench`] | a model | a drawing |
 //! | `calibration`, `efficiency` | lines through pairs, losses | a picture |
 //!
-//! All modules but [`diagnosis`] and [`bench`] are features of the same name. Every page is one self-contained file without scripts, in light and
+//! All modules but [`diagnosis`] and [`mod@bench`] are features of the same name. Every page is one self-contained file without scripts, in light and
 //! dark colours. Pages are text; only [`diagnosis::write`] writes files.
 
 pub mod bench;

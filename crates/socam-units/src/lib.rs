@@ -3,7 +3,7 @@
 //! | who asks | what for |
 //! |---|---|
 //! | model files | [`parse`]: the unit of a parameter, its factor to SI and its dimension |
-//! | readers of tables | [`column`]: the channel of a column, by its name and the unit that the file states apart from it |
+//! | readers of tables | [`column()`]: the channel of a column, by its name and the unit that the file states apart from it |
 //! | mappings of files of other programs | [`conversion`], [`seconds`], [`is_counts`]: a unit as its author spells it |
 //! | derived channels | [`Product`]: products and quotients of units, and how they are written |
 //!
