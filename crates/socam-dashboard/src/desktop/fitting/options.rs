@@ -159,7 +159,7 @@ impl Row {
 
     fn switch(&mut self, ui: &mut Ui) -> bool {
         let usual = self.option.default.as_bool().unwrap_or_default();
-        let mut is_on = usual != !self.text.is_empty();
+        let mut is_on = usual == self.text.is_empty();
         let is_changed = ui.checkbox(&mut is_on, &self.label).changed();
         if is_changed {
             self.text = if is_on == usual { String::new() } else { is_on.to_string() };
