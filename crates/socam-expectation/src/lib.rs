@@ -1,9 +1,4 @@
-//! Requirements of a model on recordings for its identification, for the command `check` and for the dashboard, also in a browser;
-//! and recordings as a fit takes them ([`on_regular_grid`]).
-
-mod fit;
-
-pub use fit::{GRID_PARTS, on_regular_grid};
+//! Requirements of a model on recordings for its identification, for the command `check` and for the dashboard, also in a browser.
 
 use socam_model::{
     Channel, ChannelTransform, EffectUse, Mode, Model, Quantity, Site, column_unit, effects::Condition,

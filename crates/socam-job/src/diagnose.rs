@@ -73,12 +73,25 @@ pub struct Diagnosed {
 }
 
 /// A recording that is held out: it is put on a grid, and a file is read, after the last choice.
-#[derive(Debug, Clone)]
 pub enum HeldOutRecording {
     /// A file, or a part of one: `RUN@FROM..TO` in seconds.
     File(String),
     /// A recording that its caller has opened already.
     Open(Dataset),
+    /// A recording that its caller opens, by its name.
+    Unopened(String, OpenRecording),
+}
+
+/// Opens a recording, or says in one sentence why it cannot be opened.
+pub type OpenRecording = Box<dyn FnOnce() -> std::result::Result<Dataset, String> + Send>;
+
+impl std::fmt::Debug for HeldOutRecording {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::File(name) | Self::Unopened(name, _) => f.write_str(name),
+            Self::Open(data) => f.write_str(data.name()),
+        }
+    }
 }
 
 impl Diagnosed {
@@ -151,6 +164,9 @@ impl Diagnose {
         let held_out = held_out.into_iter().fold(HeldOut::none(), |all, recording| match recording {
             HeldOutRecording::File(run) => all.with(run.clone(), move || grid.open(&run).map(keep)),
             HeldOutRecording::Open(data) => all.with_dataset(data, move |data| grid.apply(data).map(keep)),
+            HeldOutRecording::Unopened(name, open) => all.with(name, move || {
+                open().and_then(|data| grid.apply(data).map(keep).map_err(|error| error.to_string()))
+            }),
         });
         let answer = socam_diagnose::diagnose(&model, training, held_out, &self.options(progress))?;
         let held_out = opened.into_inner().unwrap_or_else(PoisonError::into_inner);

@@ -1,7 +1,7 @@
 //! Recordings as tasks take them: irregular samples are put on a regular grid.
 
-use socam_model::Model;
-use socam_recording::{Carry, Dataset, RecordingError};
+use socam_model::{Intersample, Model};
+use socam_recording::{Carry, Channel, Dataset, RecordingError};
 
 use crate::error::Result;
 
@@ -38,8 +38,8 @@ impl Grid<'_> {
         match self {
             Self::View if data.steps()?.are_irregular() => data.on_regular_grid(1, |_| Carry::Smooth),
             Self::View => Ok(data),
-            Self::Fit(model) => socam_expectation::on_regular_grid(data, model, PARTS_OF_A_FIT),
-            Self::Diagnosis(model) => socam_expectation::on_regular_grid(data, model, 1),
+            Self::Fit(model) => on_regular_grid(data, model, PARTS_OF_A_FIT),
+            Self::Diagnosis(model) => on_regular_grid(data, model, 1),
         }
     }
 
@@ -50,4 +50,28 @@ impl Grid<'_> {
     pub fn apply_all(self, all: impl IntoIterator<Item = Dataset>) -> Result<Vec<Dataset>> {
         all.into_iter().map(|data| Ok(self.apply(data)?)).collect()
     }
+}
+
+/// A recording for a fit of `model`: irregular samples are put on a regular grid, of `parts` points a sample where the model has inputs
+/// that bend at their samples.
+fn on_regular_grid(data: Dataset, model: &Model, parts: u32) -> std::result::Result<Dataset, RecordingError> {
+    if !data.steps()?.are_irregular() {
+        return Ok(data);
+    }
+    let inputs: Vec<_> = model
+        .inputs()
+        .filter(|input| !input.quantity.is_clock())
+        .filter_map(|input| Some((data.channel_index(&input.column).ok()?, input.intersample())))
+        .collect();
+    let bends = inputs.iter().any(|(_, kind)| *kind != Intersample::BandLimited);
+    let carry = |channel: &Channel| {
+        let input = inputs.iter().find(|(column, _)| data.channels()[*column] == *channel);
+        match input.map(|(_, kind)| *kind) {
+            None => Carry::Sampled,
+            Some(Intersample::Hold) => Carry::Hold,
+            Some(Intersample::Linear) => Carry::Linear,
+            Some(Intersample::BandLimited) => Carry::Smooth,
+        }
+    };
+    data.on_regular_grid(if bends { parts } else { 1 }, carry)
 }

@@ -30,7 +30,7 @@ mod watch;
 pub use check::Check;
 pub use compare::{Compare, Compared};
 pub use design::{Design, Designed, Rival};
-pub use diagnose::{Diagnose, Diagnosed, HeldOutRecording};
+pub use diagnose::{Diagnose, Diagnosed, HeldOutRecording, OpenRecording};
 pub use error::{JobError, Result};
 pub use fleet::FleetRow;
 pub use grid::Grid;

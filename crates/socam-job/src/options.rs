@@ -34,6 +34,16 @@ pub fn from_keywords<T: Settings>(given: Map<String, Value>) -> Result<T> {
     Ok(settings)
 }
 
+/// Settings from words of the command line, as a form of them has.
+///
+/// # Errors
+/// [`JobError::Value`] for a word that is not understood and for a value that cannot be meant.
+pub fn from_words<T: Settings>(words: &[String]) -> Result<T> {
+    let settings: T = parsed(words)?;
+    settings.validate()?;
+    Ok(settings)
+}
+
 /// As [`from_keywords`], of a part of a task's settings.
 ///
 /// # Errors

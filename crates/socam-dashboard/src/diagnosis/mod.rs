@@ -58,6 +58,11 @@ impl ViewPanel for DiagnosisPage {
                 "the share of complete models of which it is said that something is missing; the greatest number of effects that are added",
             ),
             (
+                "More options",
+                "the options of the command diagnose: start state, materiality, seed, motion of inputs between their samples; hover over one to read what it does",
+            ),
+            ("Same as; Copy", "the command that does the same in a terminal, and what it lacks"),
+            (
                 "Save report...",
                 "writes a page with all pictures, the result for scripts and the corrected model into a new folder",
             ),

@@ -1,14 +1,15 @@
 //! A diagnosis on a thread of its own: its set-up, progress and result.
 
 use super::super::attempt;
-use egui::{Button, CollapsingHeader, RichText, Slider, Ui};
+use egui::{Button, CollapsingHeader, RichText, Ui};
 use socam_answer::{Diagnosis, Evidence};
-use socam_diagnose::{DiagnoseError, HeldOut, Options, diagnose, refuse_copies};
-use socam_identify::IdentifyError;
+use socam_diagnose::refuse_copies;
+use socam_job::{Diagnose, Grid, HeldOutRecording};
 use socam_model::Model;
 use socam_recording::Selection;
 
-use super::super::fitting::{dataset, datasets, monitor, setup};
+use super::super::fitting::options::{First, Form, Layout};
+use super::super::fitting::{command, datasets, monitor, sentence, setup};
 use super::report::{Made, provenance};
 use crate::progress::wake;
 use socam_chart::theme;
@@ -26,11 +27,19 @@ pub(super) struct Answer {
     pub(super) made: Made,
 }
 
+const LAYOUT: Layout = Layout {
+    first: &[
+        First { name: "false_alarm_rate", label: "False alarms", is_percent: true, choices: &[] },
+        First { name: "most", label: "Most effects", is_percent: false, choices: &[] },
+    ],
+    // Tables of steady states, to which `repeatability` belongs, are not diagnosed in the window.
+    left_out: &["model", "fixed", "start_values", "repeatability"],
+};
+
 /// Options of the next diagnosis, and the running one.
 #[derive(Debug)]
 pub(super) struct Maker {
-    false_alarms_percent: f64,
-    most_effects: usize,
+    form: Form<Diagnose>,
     attempt: Attempt<Answer>,
     /// Whether the set-up is to be folded.
     folds: bool,
@@ -38,13 +47,7 @@ pub(super) struct Maker {
 
 impl Default for Maker {
     fn default() -> Self {
-        let usual = Options::default();
-        Self {
-            false_alarms_percent: 100.0 * usual.false_alarm_rate,
-            most_effects: usual.most_effects,
-            attempt: Attempt::default(),
-            folds: false,
-        }
+        Self { form: Form::new(&LAYOUT), attempt: Attempt::default(), folds: false }
     }
 }
 
@@ -55,14 +58,9 @@ impl Maker {
 
     /// Begins a diagnosis, or says why it cannot.
     pub(super) fn start(&mut self, ctx: &egui::Context, workspace: &Workspace) {
-        match workspace.chosen() {
-            Ok(chosen) => {
-                let options = Options {
-                    false_alarm_rate: 0.01 * self.false_alarms_percent,
-                    most_effects: self.most_effects,
-                    ..Options::default()
-                };
-                let work = move |handle: &Handle| answer(&chosen, options, handle);
+        match self.form.settings().and_then(|task| Ok((task.clone(), workspace.chosen()?))) {
+            Ok((task, chosen)) => {
+                let work = move |handle: &Handle| answer(&task, &chosen, handle);
                 self.attempt.start("reading recordings", &wake(ctx), work);
             }
             Err(why) => self.attempt.problem = Some(why),
@@ -100,23 +98,18 @@ impl Maker {
         if let Some(model) = setup::ui(ui, workspace) {
             workspace.request(Request::Model(Box::new(model)));
         }
-        ui.horizontal(|ui| {
-            let label = ui.label("False alarms").on_hover_text(
-                "Share of complete models of which a diagnosis says that something is missing",
-            );
-            let slider =
-                Slider::new(&mut self.false_alarms_percent, 0.1..=20.0).logarithmic(true).suffix(" %");
-            ui.add(slider.max_decimals(1)).labelled_by(label.id);
-        });
-        ui.horizontal(|ui| {
-            let label = ui.label("Most effects");
-            ui.add(egui::DragValue::new(&mut self.most_effects).range(1..=6)).labelled_by(label.id);
-        });
+        self.form.ui(ui);
         let chosen = workspace.chosen();
-        let button = Button::new(RichText::new("Diagnose").strong());
-        if ui.add_enabled(chosen.is_ok(), button).clicked() {
-            self.start(ui.ctx(), workspace);
-        }
+        let task = self.form.settings().cloned();
+        ui.horizontal_wrapped(|ui| {
+            let button = Button::new(RichText::new("Diagnose").strong());
+            if ui.add_enabled(chosen.is_ok() && task.is_ok(), button).clicked() {
+                self.start(ui.ctx(), workspace);
+            }
+            if let Err(problem) = &task {
+                ui.label(RichText::new(problem).color(theme::alarm(ui)));
+            }
+        });
         match &chosen {
             Err(why) => drop(ui.label(RichText::new(why).color(theme::weak(ui)))),
             Ok(chosen) if chosen.held_out.is_empty() => {
@@ -125,35 +118,39 @@ impl Maker {
             }
             Ok(_) => {}
         }
+        if let (Ok(mut task), Ok(chosen)) = (task, &chosen) {
+            let notes = command::name_model(&mut task.model, workspace.model(), &chosen.model);
+            if let Some(line) = command::of(&task, chosen, "--holdout") {
+                command::ui(ui, &line, &notes);
+            }
+        }
     }
 }
 
-fn answer(chosen: &Chosen, options: Options, handle: &Handle) -> Result<Answer, String> {
-    // Outputs that are missing at most points of a finer grid would have no spectra.
-    let training = datasets(&chosen.training, &chosen.model, 1, handle)?;
+fn answer(task: &Diagnose, chosen: &Chosen, handle: &Handle) -> Result<Answer, String> {
+    let model = task.model.changed(chosen.model.clone()).map_err(sentence)?;
+    let training = datasets(&chosen.training, Grid::Diagnosis(&model), handle)?;
     handle.doing("hashing the recordings".into());
     refuse_copies(&selections(&chosen.training)?, &selections(&chosen.held_out)?)
         .map_err(|e| e.to_string())?;
     let used = chosen.training.iter().chain(&chosen.held_out);
-    let provenance =
-        provenance(&chosen.model, used.filter_map(|own| Some((own.about.name.as_str(), own.path()?))))?;
-    let open = |own: &Recording| dataset(own, &chosen.model, 1);
-    let held_out =
-        chosen.held_out.iter().fold(HeldOut::none(), |all, own| all.with(&own.about.name, move || open(own)));
-    let options = Options { watch: monitor(handle), ..options };
-    let answer = diagnose(&chosen.model, &training, held_out, &options).map_err(|error| match error {
-        DiagnoseError::Identify(IdentifyError::Cancelled) => CANCELLED.into(),
-        error => error.to_string(),
-    })?;
+    let provenance = provenance(&model, used.filter_map(|own| Some((own.about.name.as_str(), own.path()?))))?;
+    let held_out = chosen.held_out.iter().cloned().map(unopened).collect();
+    let done = task.run(model, &training, held_out, monitor(handle)).map_err(sentence)?;
     if handle.is_cancelled() {
         return Err(CANCELLED.into());
     }
     Ok(Answer {
-        diagnosis: answer.diagnosis,
-        evidence: answer.evidence,
-        model: chosen.model.clone(),
-        made: Made { model_toml: answer.model_toml, provenance },
+        diagnosis: done.answer.diagnosis,
+        evidence: done.answer.evidence,
+        model: done.model,
+        made: Made { model_toml: done.answer.model_toml, provenance },
     })
+}
+
+/// A recording that is read after the last choice.
+fn unopened(recording: Recording) -> HeldOutRecording {
+    HeldOutRecording::Unopened(recording.about.name.clone(), Box::new(move || recording.dataset()))
 }
 
 /// The files of those recordings that are read from one.

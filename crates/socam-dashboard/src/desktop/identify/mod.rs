@@ -75,9 +75,14 @@ impl ViewPanel for Identify {
                 "how it is fitted: by the errors of the simulated outputs, or, for an axis with one coordinate, by linear regression of the force on the motion",
             ),
             (
+                "More options",
+                "the options of the command identify: band, start state, known noise, start points, motion of inputs between their samples; hover over one to read what it does",
+            ),
+            (
                 "Identify parameters",
                 "fits the free parameters to all recordings together, in the background; Cancel gives it up",
             ),
+            ("Same as; Copy", "the command that does the same in a terminal, and what it lacks"),
             ("Use as model", "what was found becomes the model of all views"),
             (
                 "Save model file...; Save as JSON...",

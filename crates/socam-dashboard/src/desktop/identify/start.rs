@@ -2,19 +2,39 @@
 
 use super::super::attempt;
 use egui::{Button, RichText, Ui};
+use socam_job::Identify;
 
-use super::super::fitting::setup;
-use super::run::{self, Found, Method};
+use super::super::fitting::options::{First, Form, Layout};
+use super::super::fitting::{command, setup};
+use super::run::{self, Found};
 use crate::progress::wake;
 use socam_chart::theme;
 use socam_workbench::job::Attempt;
+use socam_workbench::setup::Chosen;
 use socam_workbench::{Request, Workspace};
 
-/// The method of the next identification, and the running one.
-#[derive(Debug, Default)]
+const LAYOUT: Layout = Layout {
+    first: &[First {
+        name: "method",
+        label: "Method",
+        is_percent: false,
+        // The others are over frequency.
+        choices: &["output-error", "inverse-dynamics"],
+    }],
+    left_out: &["model", "fixed", "start_values"],
+};
+
+/// The options of the next identification, and the running one.
+#[derive(Debug)]
 pub(super) struct Start {
-    method: Method,
+    form: Form<Identify>,
     attempt: Attempt<Found>,
+}
+
+impl Default for Start {
+    fn default() -> Self {
+        Self { form: Form::new(&LAYOUT), attempt: Attempt::default() }
+    }
 }
 
 impl Start {
@@ -35,30 +55,44 @@ impl Start {
         if let Some(model) = setup::ui(ui, workspace) {
             workspace.request(Request::Model(Box::new(model)));
         }
-        ui.horizontal(|ui| {
-            ui.selectable_value(&mut self.method, Method::OutputError, "Output error")
-                .on_hover_text("Least squares of the errors of the simulated outputs");
-            ui.selectable_value(&mut self.method, Method::InverseDynamics, "Inverse dynamics").on_hover_text(
-                "Linear regression of the measured force of an axis with one coordinate on its motion",
-            );
-        });
+        self.form.ui(ui);
         let chosen = workspace.chosen();
-        let button = Button::new(RichText::new("Identify parameters").strong());
-        if ui.add_enabled(chosen.is_ok(), button).clicked()
-            && let Ok(chosen) = &chosen
-        {
-            let (chosen, method) = (chosen.clone(), self.method);
-            let plain = workspace.model().clone();
-            self.attempt.start("reading recordings", &wake(ui.ctx()), move |handle| {
-                run::identify(&chosen, &plain, method, handle)
-            });
-        }
+        let task = self.task(chosen.as_ref().ok());
+        ui.horizontal_wrapped(|ui| {
+            let button = Button::new(RichText::new("Identify parameters").strong());
+            let is_clicked = ui.add_enabled(chosen.is_ok() && task.is_ok(), button).clicked();
+            if let (true, Ok(chosen), Ok(task)) = (is_clicked, &chosen, &task) {
+                let (task, chosen) = (task.clone(), chosen.clone());
+                self.attempt.start("reading recordings", &wake(ui.ctx()), move |handle| {
+                    run::identify(&task, &chosen, handle)
+                });
+            }
+            if let Err(problem) = &task {
+                ui.label(RichText::new(problem).color(theme::alarm(ui)));
+            }
+        });
         if let Err(why) = &chosen {
             ui.label(RichText::new(why).color(theme::weak(ui)));
+        }
+        if let (Ok(mut task), Ok(chosen)) = (task, &chosen) {
+            let notes = command::name_model(&mut task.model, workspace.model(), &chosen.model);
+            if let Some(line) = command::of(&task, chosen, "--validate") {
+                command::ui(ui, &line, &notes);
+            }
         }
         if let Some(problem) = &self.attempt.problem {
             ui.label(RichText::new(problem).color(theme::alarm(ui)));
         }
         ui.separator();
+    }
+
+    /// The settings, or why they cannot be meant.
+    fn task(&self, chosen: Option<&Chosen>) -> Result<Identify, String> {
+        let task = self.form.settings()?;
+        let has_proof = chosen.is_none_or(|chosen| !chosen.held_out.is_empty());
+        if task.band.is_some() && !has_proof {
+            return Err("Band: it bounds the fit of recordings that are held out; hold one out.".into());
+        }
+        Ok(task.clone())
     }
 }
