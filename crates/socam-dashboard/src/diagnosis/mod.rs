@@ -50,24 +50,6 @@ impl ViewPanel for DiagnosisPage {
     fn help() -> Help {
         &[
             (
-                "Diagnose; Set-up",
-                "asks whether the recordings that are fitted need physics that the model lacks, which, and where; those that are held out are the proof",
-            ),
-            (
-                "False alarms; Most effects",
-                "the share of complete models of which it is said that something is missing; the greatest number of effects that are added",
-            ),
-            (
-                "More options",
-                "the options of the command diagnose: start state, materiality, seed, motion of inputs between their samples; hover over one to read what it does",
-            ),
-            ("Same as; Copy", "the command that does the same in a terminal, and what it lacks"),
-            (
-                "Save report...",
-                "writes a page with all pictures, the result for scripts and the corrected model into a new folder",
-            ),
-            ("Use as model; Save model file...", "the corrected model"),
-            (
                 "drawing",
                 "the place of each finding is framed and numbered; rivals are dashed; click an element to see what was found there",
             ),

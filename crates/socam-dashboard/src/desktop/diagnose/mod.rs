@@ -3,6 +3,8 @@
 mod maker;
 mod report;
 
+use std::sync::LazyLock;
+
 use egui::{Context, Ui};
 use socam_answer::{Diagnosis, Evidence};
 use socam_chart::chart::Seen;
@@ -47,7 +49,8 @@ impl ViewPanel for Diagnose {
     }
 
     fn help() -> Help {
-        DiagnosisPage::help()
+        static ALL: LazyLock<Vec<(&str, &str)>> = LazyLock::new(|| [MAKING, DiagnosisPage::help()].concat());
+        &ALL
     }
 }
 
@@ -64,5 +67,27 @@ impl Diagnose {
         self.maker.fold();
     }
 }
+
+/// Help on the controls of a diagnosis that is made here.
+const MAKING: Help = &[
+    (
+        "Diagnose; Set-up",
+        "asks whether the recordings that are fitted need physics that the model lacks, which, and where; those that are held out are the proof",
+    ),
+    (
+        "False alarms; Most effects",
+        "the share of complete models of which it is said that something is missing; the greatest number of effects that are added",
+    ),
+    (
+        "More options",
+        "the options of the command diagnose: start state, materiality, seed, motion of inputs between their samples; hover over one to read what it does",
+    ),
+    ("Same as; Copy", "the command that does the same in a terminal, and what it lacks"),
+    (
+        "Save report...",
+        "writes a page with all pictures, the result for scripts and the corrected model into a new folder",
+    ),
+    ("Use as model; Save model file...", "the corrected model"),
+];
 
 const EMPTY: &str = "Choose recordings and a model at the left and press Diagnose. The drawing then shows where model and recordings part. A saved report is opened by its diagnosis.json, with Ctrl+O, or by dropping its folder here.";

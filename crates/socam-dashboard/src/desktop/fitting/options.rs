@@ -25,8 +25,8 @@ pub(crate) struct First {
     pub(crate) label: &'static str,
     /// Whether its number is a share that is shown in percent.
     pub(crate) is_percent: bool,
-    /// Those of its choices that the window offers; all of them where none is named.
-    pub(crate) choices: &'static [&'static str],
+    /// Those of its choices that the window offers, with their meanings; all of them where none is named.
+    pub(crate) choices: &'static [(&'static str, &'static str)],
 }
 
 /// The options of a task as texts that its command would take, and the settings that they make.
@@ -43,6 +43,8 @@ struct Row {
     option: Described,
     label: String,
     is_percent: bool,
+    /// Meanings of its choices.
+    meanings: &'static [(&'static str, &'static str)],
     /// The value as it is typed on the command line, a line for each one of a list; empty for the default.
     text: String,
 }
@@ -57,8 +59,10 @@ impl<T: Settings> Form<T> {
         let known = |name: &str| all.iter().find(|option| option.name == name).cloned();
         let first = |own: &First| {
             let mut option = known(own.name)?;
-            option.choices.retain(|choice| own.choices.is_empty() || own.choices.contains(&choice.as_str()));
-            Some(Row { option, label: own.label.into(), is_percent: own.is_percent, text: String::new() })
+            let is_offered = |choice: &String| own.choices.iter().any(|(word, _)| word == choice);
+            option.choices.retain(|choice| own.choices.is_empty() || is_offered(choice));
+            let (label, is_percent) = (own.label.to_owned(), own.is_percent);
+            Some(Row { option, label, is_percent, meanings: own.choices, text: String::new() })
         };
         let is_more = |option: &&Described| {
             let is_first = layout.first.iter().any(|own| own.name == option.name);
@@ -69,6 +73,7 @@ impl<T: Settings> Form<T> {
             label: words_of(&option.name),
             option: option.clone(),
             is_percent: false,
+            meanings: &[],
             text: String::new(),
         };
         let mut form = Self {
@@ -138,40 +143,39 @@ impl Row {
 
     /// Draws the option; whether it was changed. Choices that are always seen stand side by side.
     fn ui<T: Settings>(&mut self, ui: &mut Ui, is_first: bool) -> bool {
-        let help = self.option.help.clone();
-        let has_number =
-            matches!(self.option.kind, Kind::Whole | Kind::Number) && !self.option.default.is_null();
+        let has_default = !self.option.default.is_null();
         let drawn = ui.horizontal(|ui| match self.option.kind {
             Kind::Switch => self.switch(ui),
             Kind::Choice if is_first => self.side_by_side(ui),
-            _ => {
-                let label = ui.label(&self.label).on_hover_text(&help);
-                match self.option.kind {
+            kind => {
+                let label = ui.label(&self.label).on_hover_text(&self.option.help);
+                match kind {
                     Kind::Choice => self.choice(ui, label.id),
-                    _ if has_number => self.number::<T>(ui, label.id),
+                    Kind::Whole | Kind::Number if has_default => self.number::<T>(ui, label.id),
                     _ => self.line(ui, label.id),
                 }
             }
         });
-        drawn.response.on_hover_text(help);
         drawn.inner
     }
 
     fn switch(&mut self, ui: &mut Ui) -> bool {
         let usual = self.option.default.as_bool().unwrap_or_default();
         let mut is_on = usual == self.text.is_empty();
-        let is_changed = ui.checkbox(&mut is_on, &self.label).changed();
-        if is_changed {
+        let tick = ui.checkbox(&mut is_on, &self.label).on_hover_text(&self.option.help);
+        if tick.changed() {
             self.text = if is_on == usual { String::new() } else { is_on.to_string() };
         }
-        is_changed
+        tick.changed()
     }
 
     fn side_by_side(&mut self, ui: &mut Ui) -> bool {
         let (shown, choices) = (self.shown(), self.option.choices.clone());
         choices.iter().fold(false, |is_changed, choice| {
-            is_changed
-                | (ui.selectable_label(shown == *choice, words_of(choice)).clicked() && self.choose(choice))
+            let meaning = self.meanings.iter().find(|(word, _)| word == choice);
+            let meaning = meaning.map_or(self.option.help.as_str(), |(_, meaning)| meaning);
+            let label = ui.selectable_label(shown == *choice, words_of(choice)).on_hover_text(meaning);
+            is_changed | (label.clicked() && self.choose(choice))
         })
     }
 

@@ -19,7 +19,13 @@ const LAYOUT: Layout = Layout {
         label: "Method",
         is_percent: false,
         // The others are over frequency.
-        choices: &["output-error", "inverse-dynamics"],
+        choices: &[
+            ("output-error", "Least squares of the errors of the simulated outputs"),
+            (
+                "inverse-dynamics",
+                "Linear regression of the measured force of an axis with one coordinate on its motion",
+            ),
+        ],
     }],
     left_out: &["model", "fixed", "start_values"],
 };
