@@ -13,11 +13,12 @@ mod wheel;
 use egui::{Align2, Color32, FontId, Rect, Response, Role, Ui, WidgetInfo};
 
 pub use super::curve::{Curve, Flag, Scale};
+pub use super::numbers::range_of;
 pub use super::style::{MarkerShape, Style};
 use super::{heat::Heat, xy::Cloud};
 use crate::theme;
+pub use axes::with_room;
 use axes::{moved, padded, scaled, unscaled};
-pub use axes::{range_of, with_room};
 pub use empty::empty_state;
 use wheel::after_wheel;
 

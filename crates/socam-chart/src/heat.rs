@@ -35,7 +35,7 @@ impl Cells {
     /// Least and greatest value.
     #[must_use]
     pub fn range(&self) -> Option<[f64; 2]> {
-        super::chart::range_of(self.values.iter().copied())
+        super::numbers::range_of(self.values.iter().copied())
     }
 }
 

@@ -66,6 +66,16 @@ fn lowered(raised: char) -> Option<char> {
     std::iter::once(('⁻', '-')).chain(digits).find_map(|(own, plain)| (own == raised).then_some(plain))
 }
 
+/// The range of all finite values.
+#[must_use]
+pub fn range_of(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    finite.fold(None, |range, value| match range {
+        None => Some([value; 2]),
+        Some([low, high]) => Some([value.min(low), value.max(high)]),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -173,16 +173,6 @@ pub fn with_room([low, high]: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// The range of all finite values.
-#[must_use]
-pub fn range_of(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
-    let finite = values.into_iter().filter(|value| value.is_finite());
-    finite.fold(None, |range, value| match range {
-        None => Some([value; 2]),
-        Some([low, high]) => Some([value.min(low), value.max(high)]),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
