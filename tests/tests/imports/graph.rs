@@ -13,14 +13,24 @@ pub(super) type Import<'f> = (&'f str, &'f str);
 /// The files of a crate, by their modules.
 pub(super) struct Files {
     files: BTreeMap<Module, (String, Imports)>,
+    /// Modules of the root that are one of several folders, by the target that is built for, with these folders.
+    seams: BTreeMap<String, Vec<String>>,
 }
 
 impl Files {
     /// Builds the graph from sources: paths within the source folder, with `/`, and their texts. Files of tests are left out.
     pub(super) fn new(sources: impl IntoIterator<Item = (String, String)>) -> Self {
-        let files = sources.into_iter().map(|(path, text)| (module(&path), (path, Imports::of(&text))));
-        let files = files.filter(|(module, _)| module.iter().all(|name| name != "tests"));
-        Self { files: files.collect() }
+        let mut found = Self { files: BTreeMap::new(), seams: BTreeMap::new() };
+        for (path, text) in sources {
+            let module = module(&path);
+            if module.is_empty() {
+                found.seams.extend(seams(&text));
+            }
+            if module.iter().all(|name| name != "tests") {
+                found.files.insert(module, (path, Imports::of(&text)));
+            }
+        }
+        found
     }
 
     fn path(&self, module: &[String]) -> &str {
@@ -83,6 +93,16 @@ impl Files {
         self.files.contains_key(&child)
     }
 
+    /// The folder that a module of the root is, for files of the module `from`: their own, or else the first.
+    fn behind_seam<'n>(&'n self, from: &[String], name: &'n str) -> &'n str {
+        let Some(folders) = self.seams.get(name) else { return name };
+        folders
+            .iter()
+            .find(|folder| from.first() == Some(*folder))
+            .or(folders.first())
+            .map_or(name, |folder| folder)
+    }
+
     /// The file that defines what a path names; `None` for other crates. Imports of a module under another name are followed.
     fn target(&self, module: &[String], path: &[String], depth: usize) -> Option<&Module> {
         let mut current = module.to_vec();
@@ -98,6 +118,9 @@ impl Files {
             match name.as_str() {
                 "self" => {}
                 "super" => drop(current.pop()),
+                name if current.is_empty() && self.seams.contains_key(name) => {
+                    current.push(self.behind_seam(module, name).to_owned());
+                }
                 name if self.has_child(&current, name) => current.push(name.to_owned()),
                 name => {
                     let (_, imports) = self.files.get(&current)?;
@@ -116,6 +139,21 @@ impl Files {
 
 fn all_paths(imports: &Imports) -> impl Iterator<Item = &Vec<String>> {
     imports.uses.iter().map(|(_, path)| path).chain(&imports.paths)
+}
+
+/// Modules of a root whose folder depends on the target, `#[cfg_attr(TARGET, path = "FOLDER/mod.rs")]`, with these folders.
+fn seams(root: &str) -> BTreeMap<String, Vec<String>> {
+    let mut found = BTreeMap::new();
+    let mut folders = Vec::new();
+    for line in root.lines() {
+        if let Some((_, folder)) = line.split_once(", path = \"") {
+            folders.extend(folder.split_once("/mod.rs\"").map(|(folder, _)| folder.to_owned()));
+        } else if !folders.is_empty() {
+            let name = line.trim_end_matches(';').rsplit(' ').next().unwrap_or_default();
+            found.insert(name.to_owned(), std::mem::take(&mut folders));
+        }
+    }
+    found
 }
 
 /// The module of a file.
@@ -151,6 +189,27 @@ mod tests {
             ("c.rs", "fn f() -> super::a::A { todo() }"),
         ]);
         assert_eq!(wider.circles(), [vec![("a.rs", "b.rs"), ("b.rs", "c.rs"), ("c.rs", "a.rs")]]);
+    }
+
+    #[test]
+    fn a_circle_through_a_folder_by_target_is_found() {
+        let lib = r#"
+mod a;
+#[cfg_attr(not(target_arch = "wasm32"), path = "desktop/mod.rs")]
+#[cfg_attr(target_arch = "wasm32", path = "web/mod.rs")]
+pub mod platform;
+"#;
+        let mut sources = vec![
+            ("lib.rs", lib),
+            ("a.rs", "use crate::platform::Window; use super::b::B;"),
+            ("b.rs", "pub struct B;"),
+            ("desktop/mod.rs", "use crate::b::B;"),
+            ("web/mod.rs", "use crate::platform::page::Page;"),
+            ("web/page.rs", "use crate::b::B;"),
+        ];
+        assert!(files(&sources).circles().is_empty());
+        sources[3].1 = "fn f() { crate::a::g() }";
+        assert_eq!(files(&sources).circles(), [vec![("a.rs", "desktop/mod.rs"), ("desktop/mod.rs", "a.rs")]]);
     }
 
     #[test]
