@@ -1,10 +1,10 @@
-//! Alarms of a watch in words, and the options of every watch.
+//! Alarms as text, and the options of monitoring.
 
 use std::fmt::Write;
 
 use socam_job::{Grid, Watching};
 use socam_model::Model;
-use socam_watch::{Alarm, Baseline, Cause, Event, Naming, Summary, Verdict};
+use socam_monitoring::{Alarm, Baseline, Cause, Event, Naming, Summary, Verdict};
 
 use crate::output;
 
@@ -33,7 +33,7 @@ impl WatchArgs {
     }
 }
 
-/// Says what a baseline supports, and warns of a short one.
+/// Prints what a baseline supports, and a warning if it is short.
 pub(crate) fn say_baseline(summary: &Summary) {
     output::say(format_args!("{}", baseline(summary)));
     if summary.is_short {
@@ -111,7 +111,7 @@ fn cause_text(cause: &Cause) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use socam_watch::Symptom;
+    use socam_monitoring::Symptom;
 
     #[test]
     fn an_alarm_is_one_sentence() {

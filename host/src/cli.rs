@@ -1,4 +1,4 @@
-//! The command line as it is typed.
+//! The command line.
 
 use std::process::ExitCode;
 
@@ -23,7 +23,7 @@ pub(crate) fn read() -> Result<Command, ExitCode> {
         Err(error) => error,
     };
     if !error.use_stderr() {
-        // Help, to a reader who may have gone away.
+        // Printing the help fails if the reader has closed the stream.
         let _ = error.print();
         return Err(ExitCode::SUCCESS);
     }
@@ -62,7 +62,7 @@ mod tests {
         Check, Compare, Design, Diagnose, FleetRow, Identify, Record, Response, Settings, Simulate, Watch,
     };
 
-    /// The command that a task prints is one of this program.
+    /// Asserts that this program understands the command that a task prints.
     fn is_understood<T: Settings>(options: Value, inputs: &[(&str, &str)]) {
         let settings: T = from_keywords(options.as_object().unwrap().clone()).unwrap();
         let inputs: Vec<(&str, Vec<String>)> =

@@ -34,7 +34,7 @@ struct State {
 }
 
 impl Interrupt {
-    /// Listens to Ctrl-C and to a request to terminate. The first one ends the process at once, unless the command says otherwise.
+    /// Listens to Ctrl-C and to a request to terminate. The first one ends the process at once, unless the command handles it.
     pub(crate) fn listen() -> Self {
         let start = || {
             let interrupt = Self::default();
@@ -69,7 +69,7 @@ impl Interrupt {
         self.0.last.store(self.count() + more, Ordering::Relaxed);
     }
 
-    /// A file to be removed in that case.
+    /// Sets the file to remove if the process ends at once.
     pub(crate) fn unfinished(&self, file: Option<&Path>) {
         *self.0.unfinished.lock().unwrap_or_else(PoisonError::into_inner) = file.map(Into::into);
     }

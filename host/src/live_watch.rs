@@ -1,15 +1,15 @@
-//! A watch beside a run: a thread of its own, which never delays the recording.
+//! Monitoring during a run, in a thread of its own that never delays the recording.
 
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
 use std::thread::{self, JoinHandle};
 
+use socam_monitoring::{Event, Monitor, MonitorError};
 use socam_recording::SampleRow;
-use socam_watch::{Event, Watch, WatchError};
 
 use crate::alarms;
 use crate::output;
 
-/// Batches of samples that wait for the watch: some seconds of a board's stream.
+/// Batches of samples that wait for the monitor: some seconds of a board's stream.
 const WAITING_BATCHES: usize = 4096;
 
 /// Samples: times, s, and values by channel, one sample after the other.
@@ -18,21 +18,21 @@ struct Batch {
     values: Vec<f64>,
 }
 
-/// A watch that takes the samples of a run.
+/// Monitors the samples of a run.
 pub(crate) struct LiveWatch {
     /// `None` once the run has ended.
     batches: Option<SyncSender<Batch>>,
     events: Receiver<socam_recording::Event>,
-    thread: Option<JoinHandle<Result<(), WatchError>>>,
-    /// Whether the run waits for the watch, because its time is simulated. Otherwise samples that the watch has no time for are left out,
-    /// which it takes for a gap.
+    thread: Option<JoinHandle<Result<(), MonitorError>>>,
+    /// Whether the run waits for the monitor, because its time is simulated. Otherwise samples that do not fit the queue are left out,
+    /// which is a gap for the monitor.
     is_patient: bool,
     left_out: usize,
 }
 
 impl LiveWatch {
     /// Starts the thread.
-    pub(crate) fn start(mut watch: Watch, channels: usize, is_patient: bool) -> anyhow::Result<Self> {
+    pub(crate) fn start(mut monitor: Monitor, channels: usize, is_patient: bool) -> anyhow::Result<Self> {
         let (batches, incoming) = sync_channel::<Batch>(WAITING_BATCHES);
         let (outgoing, events) = channel();
         let thread = thread::Builder::new().name("watch".into()).spawn(move || {
@@ -46,23 +46,23 @@ impl LiveWatch {
             };
             while let Ok(batch) = incoming.recv() {
                 for (time_s, values) in batch.time_s.iter().zip(batch.values.chunks_exact(channels.max(1))) {
-                    tell(watch.push(*time_s, values)?);
+                    tell(monitor.push(*time_s, values)?);
                 }
             }
-            tell(watch.finish()?);
+            tell(monitor.finish()?);
             Ok(())
         })?;
         Ok(Self { batches: Some(batches), events, thread: Some(thread), is_patient, left_out: 0 })
     }
 
-    /// Hands samples to the watch.
+    /// Hands samples to the monitor.
     pub(crate) fn take(&mut self, rows: &[SampleRow<'_>]) {
         let Some(batches) = &self.batches else { return };
         let batch = Batch {
             time_s: rows.iter().map(|row| row.device_time_ns as f64 * 1e-9).collect(),
             values: rows.iter().flat_map(|row| row.values).copied().collect(),
         };
-        // A watch that has failed receives nothing; its error is told at the end.
+        // A monitor that has failed receives nothing; its error is reported at the end.
         if self.is_patient {
             let _ = batches.send(batch);
         } else if let Err(TrySendError::Full(batch)) = batches.try_send(batch) {
@@ -75,7 +75,7 @@ impl LiveWatch {
         self.events.try_recv().ok()
     }
 
-    /// Ends the watch and returns its last events.
+    /// Ends the monitoring and returns its last events.
     pub(crate) fn finish(&mut self) -> Vec<socam_recording::Event> {
         self.batches = None;
         match self.thread.take().map(JoinHandle::join) {
@@ -93,7 +93,7 @@ impl LiveWatch {
     }
 }
 
-/// An event as a recording keeps it.
+/// An event in the form that a recording stores.
 fn recorded(event: &Event, text: String) -> socam_recording::Event {
     let (kind, time_s) = match event {
         Event::Learned(_) => ("baseline", 0.0),

@@ -26,7 +26,7 @@ impl std::fmt::Display for WrongArguments {
 
 impl std::error::Error for WrongArguments {}
 
-/// The reader of stdout has closed it (`| head`), which is no error.
+/// The reader of stdout has closed it (`| head`), which is not an error.
 #[derive(Debug)]
 struct NobodyListens;
 
@@ -68,7 +68,7 @@ pub(crate) fn print_json(document: &impl Serialize) -> anyhow::Result<()> {
     print(&text)
 }
 
-/// Says something on stderr.
+/// Prints a message to stderr.
 pub(crate) fn say(text: impl std::fmt::Display) {
     say_after("", text);
 }
@@ -79,12 +79,12 @@ fn say_after(word: &str, text: impl std::fmt::Display) {
     let _ = writeln!(io::stderr().lock(), "{word}{}", printable(&text.to_string()));
 }
 
-/// Says a warning on stderr.
+/// Prints a warning to stderr.
 pub(crate) fn warn(text: impl std::fmt::Display) {
     say_after(&painted("warning: ", "33"), text);
 }
 
-/// Opens a recording (`RUN` or `RUN@FROM..TO`) and says its warnings.
+/// Opens a recording (`RUN` or `RUN@FROM..TO`) and prints its warnings.
 pub(crate) fn open(run: &str) -> anyhow::Result<Dataset> {
     let data = socam_import::open(run)?;
     say_warnings(run, &data);
@@ -103,7 +103,7 @@ pub(crate) fn open_all(grid: Grid<'_>, runs: &[String]) -> Result<Vec<Dataset>, 
     runs.iter().map(|run| open_on(grid, run)).collect()
 }
 
-/// Says a recording's warnings.
+/// Prints a recording's warnings.
 pub(crate) fn say_warnings(run: &str, data: &Dataset) {
     for warning in data.warnings() {
         warn(format_args!("`{run}`: {warning}"));
@@ -122,7 +122,7 @@ pub(crate) fn single_output(runs: &[String], output: Option<&Path>) -> Result<()
     }
 }
 
-/// Refuses to write a conversion over its source, or over anything else unless it may be replaced. An empty file is nothing.
+/// Refuses to write a conversion over its source, or over another file unless it may be replaced. An empty file may be replaced.
 pub(crate) fn check_target(target: &Path, source: &Path, replace: bool) -> anyhow::Result<()> {
     let place = |path: &Path| path.canonicalize().ok();
     if place(target).is_some_and(|target| place(source) == Some(target)) {
@@ -133,7 +133,7 @@ pub(crate) fn check_target(target: &Path, source: &Path, replace: bool) -> anyho
     check_free(target, replace)
 }
 
-/// Refuses to replace a file unless it may be replaced. An empty file is nothing.
+/// Refuses to replace a file unless it may be replaced. An empty file may be.
 fn check_free(target: &Path, replace: bool) -> anyhow::Result<()> {
     if !replace && target.metadata().is_ok_and(|there| there.is_file() && there.len() > 0) {
         anyhow::bail!("`{}` exists already; choose another name, or --force to replace it", target.display());
@@ -141,7 +141,7 @@ fn check_free(target: &Path, replace: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Says why a command failed, in one sentence, and with which code to exit.
+/// Prints in one sentence why a command failed, and returns its exit code.
 pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     if nobody_listens(error) {
         return ExitCode::SUCCESS;
@@ -153,7 +153,7 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     ExitCode::from(if wrong_arguments { 2 } else { 1 })
 }
 
-/// Whether the reader of stdout went away, however deep that was noticed.
+/// Whether the reader of stdout has closed it, at any depth of the chain of causes.
 fn nobody_listens(error: &anyhow::Error) -> bool {
     match error.downcast_ref() {
         Some(RecordingError::Io { source, .. }) => source.kind() == io::ErrorKind::BrokenPipe,
@@ -192,7 +192,7 @@ fn painted(text: &str, colour: &str) -> String {
     if plain { text.into() } else { format!("\u{1b}[1;{colour}m{text}\u{1b}[0m") }
 }
 
-/// A file that will be there whole or not at all. It never replaces a recording.
+/// Creates a file that appears complete or not at all. It never replaces a recording.
 pub(crate) fn create(path: &Path) -> anyhow::Result<OutputFile> {
     create_new(path, true)
 }
@@ -207,15 +207,15 @@ pub(crate) fn create_new(path: &Path, replace: bool) -> anyhow::Result<OutputFil
     Ok(OutputFile::create(path)?)
 }
 
-/// Writes a text file that is there whole or not at all.
+/// Writes a text file that appears complete or not at all.
 pub(crate) fn write_whole(path: &Path, text: &str) -> anyhow::Result<()> {
     let mut file = create(path)?;
     file.write_all(text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))?;
     Ok(file.commit()?)
 }
 
-/// Writes text files into a folder, which is made where there is none; each is there whole or not at all. The last one is the page, so that
-/// whatever it links to is there.
+/// Writes text files into a folder, which is created if there is none; each file appears complete or not at all. The last one is the page,
+/// so that all files to which it links exist.
 pub(crate) fn write_folder(folder: &Path, files: &[(String, String)]) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;

@@ -15,7 +15,7 @@ pub(crate) fn of<'a>(
     let mut files = vec![FileHash::of_content(name, model.text.as_bytes())];
     for run in runs {
         let path = Selection::parse(run)?.path;
-        // A pipe can be read once, and has been.
+        // A pipe can be read only once, and was read already.
         if path.is_file() {
             let hash = FileHash::of_file(run, &path).with_context(|| format!("cannot read `{run}` again"))?;
             files.push(hash);

@@ -26,7 +26,7 @@ pub(crate) fn align(rows: &[Vec<String>], right: &[bool]) -> String {
 
 pub(crate) use socam_job::notation::number;
 
-/// A number to four significant digits, without zeros behind the last of them.
+/// A number to four significant digits, without trailing zeros.
 pub(crate) fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     match rounded.abs() {
@@ -130,7 +130,7 @@ pub(crate) fn nuisance(result: &Identification) -> String {
     format!("\n{}", align(&rows, &[false, true, false, false, false]))
 }
 
-/// Offsets of many stretches, one line for each channel; `--json` has them all.
+/// Offsets of many segments, one line for each channel; `--json` has them all.
 fn summary(offsets: &[ParameterEstimate]) -> Vec<Vec<String>> {
     let channel = |offset: &ParameterEstimate| {
         offset.name.split_once(" in ").map_or(offset.name.clone(), |(channel, _)| channel.into())
@@ -151,7 +151,7 @@ fn summary(offsets: &[ParameterEstimate]) -> Vec<Vec<String>> {
     std::iter::once(head).chain(channels.iter().map(line)).collect()
 }
 
-/// Levels on which weights and intervals rest, in one line.
+/// Noise levels on which weights and intervals rest, in one line.
 pub(crate) fn noise(result: &Identification) -> String {
     if result.input_noise_std.is_empty() {
         return String::new();

@@ -15,19 +15,18 @@ const ROOM: usize = 476;
 /// A byte of erased flash.
 const ERASED: u8 = 0xff;
 
-/// "UF2
-/// ", and two numbers that are unlikely to occur by chance.
+/// The text `UF2\n`, and two numbers that are unlikely to occur by chance.
 const MAGIC: [u32; 2] = [0x0a32_4655, 0x9e5d_5157];
 const MAGIC_END: u32 = 0x0ab1_6f30;
 
-/// The file says which chip it is for.
+/// Flag: the block names the family of its chip.
 const HAS_FAMILY: u32 = 0x2000;
 const RP2040: u32 = 0xe48b_ff56;
 
 /// Addresses of the board's flash.
 const FLASH: std::ops::Range<u32> = 0x1000_0000..0x1020_0000;
 
-/// The image as the boot drive takes it, from an ELF file or from one of that format, with its checksum.
+/// The image with its checksum in the boot drive's format, from an ELF file or a UF2 file.
 pub(crate) fn of(file: &[u8]) -> anyhow::Result<Vec<u8>> {
     let is_uf2 = file.get(..4) == Some(&MAGIC[0].to_le_bytes());
     let parts = if is_uf2 { from_uf2(file)? } else { from_elf(file)? };
@@ -39,7 +38,7 @@ pub(crate) fn of(file: &[u8]) -> anyhow::Result<Vec<u8>> {
 /// A part of the image and its address.
 type Part<'f> = (u32, &'f [u8]);
 
-/// The parts in a file of the boot drive's format; the drive ignores blocks that it does not like, without a word.
+/// The parts in a file of the boot drive's format; the drive silently ignores invalid blocks.
 fn from_uf2(uf2: &[u8]) -> anyhow::Result<Vec<Part<'_>>> {
     let (blocks, rest) = uf2.as_chunks::<BLOCK>();
     let word =

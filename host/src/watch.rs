@@ -14,10 +14,10 @@ use crate::output;
 /// Interval between lines of progress where stderr is no terminal and progress is requested.
 const LINE_EVERY: Duration = Duration::from_secs(1);
 
-/// Who waits for the fit.
+/// Observer of a fit for a user who waits for it.
 struct Waiting {
     interrupt: Interrupt,
-    /// Ctrl-C so far.
+    /// Number of interrupts before the fit.
     before: u32,
     since: Instant,
     display: Display,
@@ -26,7 +26,7 @@ struct Waiting {
 enum Display {
     /// One line, redrawn; nothing where stderr is no terminal.
     Line(ProgressBar),
-    /// Lines, and when the last was said.
+    /// Lines, and the time of the last one.
     Lines(Mutex<Option<Instant>>),
 }
 
@@ -50,8 +50,7 @@ impl Observer for Waiting {
     }
 }
 
-/// Fits while somebody waits: shows how far it is on a terminal (in lines elsewhere, if these are wanted), and ends the
-/// search at the first Ctrl-C, the process at the second.
+/// Runs a fit with progress on a terminal (as lines elsewhere, if requested). The first Ctrl-C ends the search, the second one the process.
 pub(crate) fn fit<T>(interrupt: &Interrupt, lines: bool, work: impl FnOnce(ProgressMonitor) -> T) -> T {
     let lines = lines && !std::io::stderr().is_terminal();
     let display = if lines { Display::Lines(Mutex::new(None)) } else { Display::Line(line()) };

@@ -29,7 +29,7 @@ fn size(model: &str, quantity: Quantity) -> f64 {
 }
 
 /// A sum of slow and fast parts, piecewise linear as the model takes it.
-fn course(seed: u64, size: f64) -> Vec<f64> {
+fn waveform(seed: u64, size: f64) -> Vec<f64> {
     let mut random = seed;
     let (mut slow, mut fast) = (0.0, 0.0);
     let rows = (0..ROWS).map(|_| {
@@ -46,9 +46,9 @@ fn recording(model: &Model, seed: u64) -> Dataset {
     let inputs: Vec<_> = model.inputs().filter(|input| !input.quantity.is_clock()).collect();
     let time_s: Vec<f64> = (0..ROWS).map(|k| k as f64 * STEP_S).collect();
     let columns = inputs.iter().map(|input| column(&input.column)).collect();
-    let courses =
-        inputs.iter().zip(1..).map(|(input, n)| course(7 * seed + n, size(&model.name, input.quantity)));
-    let driven = Dataset::from_columns("inputs", columns, time_s, courses.collect()).unwrap();
+    let waveforms =
+        inputs.iter().zip(1..).map(|(input, n)| waveform(7 * seed + n, size(&model.name, input.quantity)));
+    let driven = Dataset::from_columns("inputs", columns, time_s, waveforms.collect()).unwrap();
     let truth = Truth::new(model, &[], &[]).unwrap();
     let replayed = Replay { truth, disturbances: Vec::new(), start: Start::Rest }.run(&driven).unwrap();
     let mut random = seed;

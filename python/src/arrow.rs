@@ -1,4 +1,4 @@
-//! Recordings as Arrow streams, which share the memory of the recording.
+//! Recordings as Arrow streams that share the memory of the recording.
 
 use std::sync::Arc;
 
@@ -8,10 +8,10 @@ use arrow_schema::{ArrowError, DataType, Field, Schema};
 use bytes::Bytes;
 use socam_recording::{Channel, Shared};
 
-/// Values of one column, as bytes that Arrow can hold a share of.
+/// Values of one column, as bytes that Arrow can keep a reference to.
 struct Owner {
     samples: Shared,
-    /// Index of the channel; the times without one.
+    /// Index of the channel; `None` for the times.
     channel: Option<usize>,
 }
 

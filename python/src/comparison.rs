@@ -9,7 +9,7 @@ use crate::options::settings;
 use crate::recording::Recording;
 use crate::waiting;
 
-/// A recording beside a simulation.
+/// A recording compared with a simulation.
 #[pyclass(frozen, module = "socam._socam")]
 pub(crate) struct Comparison(Compared);
 
@@ -20,13 +20,13 @@ impl Comparison {
         serde_json::to_string_pretty(&self.0.document()).map_err(Raised::raised)
     }
 
-    /// A page about it; `about` are lines about how it was made.
+    /// A page about the comparison; `about` are lines about its origin.
     fn page(&self, about: Vec<String>) -> String {
         socam_report::comparison::page(&self.0.comparison, &about)
     }
 }
 
-/// Compares a recording with the output of a simulator: channels of the same name and unit, and those that are named.
+/// Compares a recording with the output of a simulator: channels of the same name and unit, and the given pairs of channels.
 #[pyfunction]
 #[pyo3(signature = (recording, simulation, **options: "object"))]
 pub(crate) fn compare(

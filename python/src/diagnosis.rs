@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use socam_answer::headline::marks;
 use socam_diagnose::Answer;
+use socam_findings::headline::marks;
 use socam_job::{Diagnose, Diagnosed, Grid, HeldOutRecording};
 use socam_report::{Provenance, diagnosis};
 
@@ -26,14 +26,14 @@ impl Diagnosis {
         serde_json::to_string_pretty(self.0.document()).map_err(Raised::raised)
     }
 
-    /// What was found, in one line.
+    /// The findings in one line.
     fn headline(&self) -> String {
-        socam_answer::headline(self.0.document()).title
+        socam_findings::headline(self.0.document()).title
     }
 
-    /// How sure that is, the most important sentence first.
+    /// Sentences about the certainty of the findings, the most important first.
     fn certainty(&self) -> Vec<String> {
-        socam_answer::headline(self.0.document()).certainty
+        socam_findings::headline(self.0.document()).certainty
     }
 
     /// The corrected model.
@@ -51,7 +51,7 @@ impl Diagnosis {
         diagnosis::picture(self.0.document())
     }
 
-    /// Writes index.html, diagnosis.json and model.toml into a folder; the page shows the date as it is given.
+    /// Writes index.html, diagnosis.json and model.toml into a folder; the page shows `date` unchanged.
     fn report(&self, py: Python<'_>, folder: PathBuf, date: String) -> PyResult<()> {
         let Answer { diagnosis: document, evidence, model_toml } = &self.0.answer;
         let made = Provenance { command: "socam.diagnose".into(), date, files: Vec::new() };

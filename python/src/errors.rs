@@ -10,7 +10,7 @@ pyo3::import_exception!(socam.errors, ModelError);
 pyo3::import_exception!(socam.errors, FitError);
 pyo3::import_exception!(socam.errors, SimulationError);
 
-/// An error that a caller of this package meets as an exception.
+/// An error of a library that this package raises as an exception.
 pub(crate) trait Raised {
     fn raised(self) -> PyErr;
 }
@@ -52,7 +52,7 @@ impl Raised for JobError {
             | Self::Identify(_)
             | Self::Steady(_)
             | Self::Diagnose(_)
-            | Self::Watch(_)
+            | Self::Monitor(_)
             | Self::Response(_) => FitError::new_err(sentence),
         }
     }

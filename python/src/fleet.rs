@@ -1,4 +1,4 @@
-//! The core of a fleet for engines that spread it over machines: a recording in, a row out; rows kept for a restart; the table written.
+//! The core of a fleet for engines that spread it over machines: a row for each recording, rows kept for a restart, and the table.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use crate::errors::{Raised, SocamError};
 use crate::model::Model;
 use crate::waiting;
 
-/// What all rows of a table are made with: a model, options and a seed.
+/// The settings of all rows of a table: a model, options and a seed.
 #[pyclass(frozen, module = "socam._socam")]
 pub(crate) struct FleetTask {
     model: socam_model::Model,
@@ -24,7 +24,7 @@ pub(crate) struct FleetTask {
 
 #[pymethods]
 impl FleetTask {
-    /// Of a model and options as JSON; those that the text does not name have their defaults.
+    /// Makes a task from a model and options as JSON; options that the text does not name have their defaults.
     #[new]
     fn new(model: &Model, options: &str, seed: u64) -> PyResult<Self> {
         let wrong = |error: serde_json::Error| PyValueError::new_err(format!("options: {error}"));
@@ -44,7 +44,7 @@ impl FleetTask {
         serde_json::to_string(&self.options).map_err(Raised::raised)
     }
 
-    /// What healthy recordings show, as JSON: the option `frozen` of a task by which all others are screened. Names are those of errors.
+    /// The result of healthy recordings as JSON: the option `frozen` of a task, by which all others are screened. Names are used in errors.
     fn reference(&self, py: Python<'_>, named: Vec<(String, PathBuf)>) -> PyResult<Option<String>> {
         let sources: Vec<Source> =
             named.into_iter().map(|(name, path)| Source { name, ..Source::path(path) }).collect();
@@ -55,8 +55,8 @@ impl FleetTask {
         found.map_err(Raised::raised)?.as_ref().map(text).transpose()
     }
 
-    /// Diagnoses one recording, given as bytes or as a path. Returns its id, and its row unless `known` holds the id already. Of a recording
-    /// that the caller could not fetch, `problem` says why: that is its row.
+    /// Diagnoses one recording, given as bytes or as a path. Returns its id, and its row unless `known` contains the id. If the caller
+    /// could not fetch the recording, `problem` is the reason, and its row contains it.
     #[pyo3(signature = (name, *, content = None, path = None, problem = None, machine = None, date_ms = None, known = None))]
     #[expect(clippy::too_many_arguments, reason = "the Python half names each of them")]
     fn row(
@@ -73,7 +73,7 @@ impl FleetTask {
         let content = match (content, path, &problem) {
             (Some(bytes), None, None) => Content::Bytes(bytes.to_vec()),
             (None, Some(path), None) => Content::Path(path),
-            // No file has the empty path.
+            // No file has an empty path.
             (None, None, Some(_)) => Content::Path(PathBuf::new()),
             _ => return Err(PyValueError::new_err("give either the content or the path of a recording")),
         };
@@ -104,7 +104,7 @@ pub(crate) fn fleet_sources(place: PathBuf) -> PyResult<Vec<Listed>> {
     Ok(listed(socam_fleet::sources(&place, &[]).map_err(Raised::raised)?))
 }
 
-/// The same of a list that was fetched from `place`.
+/// The recordings of a CSV list that was fetched from `place`, in the form of `fleet_sources`.
 #[pyfunction]
 pub(crate) fn fleet_list(place: PathBuf, content: &[u8]) -> PyResult<Vec<Listed>> {
     Ok(listed(socam_fleet::entries(&place, content).map_err(Raised::raised)?))
@@ -118,7 +118,7 @@ fn listed(sources: Vec<Source>) -> Vec<Listed> {
     each.collect()
 }
 
-/// Whether a file of this name is taken for a recording where a folder is given.
+/// Whether a file of this name in a folder counts as a recording.
 #[pyfunction]
 pub(crate) fn is_recording(name: PathBuf) -> bool {
     socam_fleet::is_recording(&name)
@@ -130,7 +130,7 @@ pub(crate) struct FleetRow(Row);
 
 #[pymethods]
 impl FleetRow {
-    /// The row as bytes, which a part takes.
+    /// The row as bytes, for a part file.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = postcard::to_extend(&self.0, Vec::new());
         let bytes =
@@ -163,7 +163,7 @@ impl FleetRow {
     }
 }
 
-/// The part file beside a table: rows that are done, kept for a restart.
+/// The part file beside a table: finished rows, kept for a restart.
 #[pyclass(frozen, module = "socam._socam")]
 pub(crate) struct FleetPart {
     part: Arc<Mutex<Part>>,
@@ -194,7 +194,7 @@ impl FleetPart {
         Ok(Self { part: Arc::new(Mutex::new(part)), task, target })
     }
 
-    /// Names and ids of the rows that are done.
+    /// Names and ids of the finished rows.
     fn known(&self) -> PyResult<Vec<(String, String)>> {
         let mut part = self.lock();
         let rows = part.rows(&|_, _| true).map(|row| row.map(|row| (row.recording, row.id)));
@@ -205,7 +205,7 @@ impl FleetPart {
     fn append(&self, row: &[u8]) -> PyResult<(String, String)> {
         let row: Row = postcard::from_bytes(row)
             .map_err(|error| SocamError::new_err(format!("these bytes are no row: {error}")))?;
-        // A later row of the same id is one of a file that could not be read again: what is wrong with it today counts.
+        // A later row with the same id belongs to a file that could not be read again: its present problem counts.
         self.lock().append(&row).map_err(Raised::raised)?;
         Ok((row.recording, row.id))
     }
@@ -225,7 +225,7 @@ impl FleetPart {
     }
 }
 
-/// The part file is that of `socam-host fleet`, which can go on where this ended, and the other way round.
+/// The part file has the name that `socam-host fleet` uses, so that either program can continue the other's work.
 fn part_path(target: &Path) -> PathBuf {
     PathBuf::from(format!("{}.part", target.display()))
 }

@@ -1,7 +1,7 @@
 //! `socam` in Python: the compiled half of the package, `socam._socam`.
 //!
-//! Each file is what one command of `socam-host` does, on values in memory. Recordings and models are classes; results cross the border
-//! as the JSON documents that the commands print, and the Python half makes objects of them. Long calls run on a thread of their own
+//! Each file has the function of one command of `socam-host`, on values in memory. Recordings and models are classes; results are passed as
+//! the JSON documents that the commands print, and the Python half makes objects of them. Long calls run on a thread of their own
 //! (`waiting`), without Python's lock.
 
 mod arrow;

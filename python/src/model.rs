@@ -39,7 +39,7 @@ impl Model {
         &self.0.name
     }
 
-    /// What it describes.
+    /// The model's description.
     #[getter]
     fn description(&self) -> &str {
         &self.0.description
@@ -69,7 +69,7 @@ impl Model {
         socam_report::bench::svg(&self.0, &[])
     }
 
-    /// The model with other values of parameters, parameters that are held fixed, and how its inputs move between samples: the options
+    /// The model with other values of parameters, with fixed parameters, and with other intersample behaviour of its inputs: the options
     /// `start_values`, `fixed` and `between` of every task.
     #[pyo3(signature = (**options: "object"))]
     fn changed(&self, options: Option<Bound<'_, PyDict>>) -> PyResult<Self> {

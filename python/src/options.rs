@@ -45,7 +45,7 @@ fn value(given: &Bound<'_, PyAny>) -> PyResult<Value> {
         return given.extract::<u64>().map(Value::from).or_else(|_| given.extract::<i64>().map(Value::from));
     }
     if let Ok(number) = given.extract::<f64>() {
-        // JSON has no infinity; as a text it is refused with its name.
+        // JSON has no infinity: it is passed as text, and the error contains it.
         return Ok(Number::from_f64(number).map_or_else(|| Value::String(number.to_string()), Value::Number));
     }
     if given.hasattr("items")? {

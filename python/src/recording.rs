@@ -23,7 +23,7 @@ pub(crate) struct Recording {
     /// The file that it was read from.
     pub(crate) path: Option<PathBuf>,
     samples: OnceLock<Shared>,
-    /// Keeps the file of bytes in memory as long as it may be read again.
+    /// Keeps the temporary file of bytes in memory as long as it may be read again.
     _file: Option<Arc<tempfile::TempPath>>,
 }
 
@@ -52,7 +52,7 @@ impl Recording {
         Ok(Self { path: Some(path), ..Self::new(opened.map_err(Raised::raised)?) })
     }
 
-    /// Opens a file that is in memory. Its format is known by its content.
+    /// Opens a file that is in memory. Its format is determined from its content.
     #[staticmethod]
     fn from_bytes(py: Python<'_>, name: String, content: &[u8]) -> PyResult<Self> {
         let written = tempfile::NamedTempFile::new().and_then(|mut file| {
@@ -65,7 +65,7 @@ impl Recording {
         let path = file.to_path_buf();
         let selection = Selection::whole(&path);
         let opened = waiting::run(py, None, move |_| socam_import::open_selection(&selection))?;
-        // Errors name the file; its temporary place says nothing to the caller.
+        // Errors name the file; the path of the temporary file would mean nothing to the caller.
         let named = |error: socam_import::ImportError| {
             RecordingError::new_err(error.to_string().replace(&path.display().to_string(), &name))
         };
@@ -145,7 +145,7 @@ impl Recording {
         self.data.is_complete()
     }
 
-    /// What was not read, and what is missing.
+    /// Warnings about parts that were not read and about missing samples.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.data.warnings().iter().map(ToString::to_string).collect()
@@ -179,7 +179,7 @@ impl Recording {
         py: Python<'py>,
         requested_schema: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        // A consumer may wish for other types, and has to accept these.
+        // A consumer may request other types, but must accept these.
         drop(requested_schema);
         let stream = arrow::stream(self.data.channels(), self.samples(py)?);
         let stream = stream.map_err(|error| RecordingError::new_err(error.to_string()))?;
@@ -213,7 +213,7 @@ impl Column {
         self.samples.time_s().len()
     }
 
-    /// Address, type and length, by which numpy makes an array of it that cannot be written to.
+    /// Address, type and length, from which numpy makes a read-only array.
     #[getter]
     fn __array_interface__<'py>(
         &self,

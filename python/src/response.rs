@@ -10,10 +10,10 @@ use crate::options::settings;
 use crate::recording::{Recording, all};
 use crate::waiting;
 
-/// What the lines that nothing excites say, and pictures by name, as SVG, of one output.
+/// Results for one output: sentences about its unexcited lines, and pictures by name, as SVG.
 type Seen = (Vec<String>, Vec<(String, String)>);
 
-/// Frequency responses: the document `socam.frequency-response/1`, of each output what is seen in it, and warnings and notes of all.
+/// Frequency responses: the document `socam.frequency-response/1`, the results for each output, and warnings and notes about all outputs.
 #[pyfunction]
 #[pyo3(signature = (recordings, model, **options: "object"))]
 pub(crate) fn frf(

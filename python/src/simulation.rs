@@ -35,7 +35,7 @@ pub(crate) fn simulate(
     Ok(Recording::new(data.map_err(Raised::raised)?))
 }
 
-/// Drives a model by the inputs of a recording. Returns the simulated recording, and how it differs: the document `socam.comparison/1`.
+/// Drives a model by the inputs of a recording. Returns the simulated recording, and its errors as the document `socam.comparison/1`.
 #[pyfunction]
 #[pyo3(signature = (model, inputs, **options: "object"))]
 pub(crate) fn replay(

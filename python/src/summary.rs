@@ -1,4 +1,4 @@
-//! What the rows of a fleet's table say together.
+//! Summary of the rows of a fleet's table.
 
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ struct Document<'s> {
 
 #[pymethods]
 impl FleetSummary {
-    /// Of a table, its lists at this false discovery rate.
+    /// Summarises a table; its lists have this false discovery rate.
     #[new]
     fn new(py: Python<'_>, table: PathBuf, fdr: f64) -> PyResult<Self> {
         check_rate("fdr", "--fdr", fdr).map_err(Raised::raised)?;
@@ -39,7 +39,7 @@ impl FleetSummary {
         serde_json::to_string_pretty(&document).map_err(Raised::raised)
     }
 
-    /// The fleet's page; `about` are lines about how it was made.
+    /// The fleet's page; `about` are lines about its origin.
     fn page(&self, py: Python<'_>, about: Vec<String>) -> PyResult<String> {
         py.detach(|| socam_report::fleet::page(&self.summary, &self.table, &about)).map_err(Raised::raised)
     }

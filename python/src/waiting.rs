@@ -10,14 +10,14 @@ use socam_identify::{Observer, Progress, ProgressMonitor};
 
 use crate::errors::SocamError;
 
-/// How often signals are looked for and progress is reported.
+/// Interval at which signals are checked and progress is reported.
 const TICK: Duration = Duration::from_millis(50);
-/// How long a computation that was cancelled is waited for. After that it ends by itself, at its next step.
+/// Longest wait for a computation that was cancelled. After that it ends by itself, at its next step.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// Stack of the thread, bytes: that of a process' first thread, on which the command line computes.
+/// Stack of the thread, bytes: that of a process's first thread, on which the command line computes.
 const STACK: usize = 8 << 20;
 
-/// What the computation and whoever waits for it know of each other.
+/// State shared by the computation and the thread that waits for it.
 #[derive(Default)]
 pub(crate) struct Shared {
     latest: Mutex<Option<String>>,
@@ -40,8 +40,8 @@ impl Observer for Shared {
     }
 }
 
-/// Runs `work` and returns what it returns. `progress` is called with a line of text whenever there is news; an exception of it, and one of
-/// a signal's handler, cancel the computation.
+/// Runs `work` and returns its result. `progress` is called with a line of text whenever there is news; an exception raised by it or by a
+/// signal's handler cancels the computation.
 pub(crate) fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -87,7 +87,7 @@ fn received<T>(results: Receiver<T>) -> (Receiver<T>, Result<T, RecvTimeoutError
     (results, result)
 }
 
-/// The watch of a fit that reports to `shared`.
+/// The progress monitor of a fit that reports to `shared`.
 pub(crate) fn watch(shared: &Arc<Shared>) -> ProgressMonitor {
     ProgressMonitor::by(shared.clone())
 }

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use socam_job::{Grid, JobError, Watch};
-use socam_watch::Document;
+use socam_monitoring::Document;
 
 use crate::errors::Raised;
 use crate::model::Model;
@@ -11,7 +11,7 @@ use crate::options::settings;
 use crate::recording::{Recording, all};
 use crate::waiting;
 
-/// Watches recordings against a model: the document `socam.watch/1`.
+/// Monitors recordings against a model: the document `socam.watch/1`.
 #[pyfunction]
 #[pyo3(signature = (recordings, model, *, baseline, **options: "object"))]
 pub(crate) fn watch(

@@ -25,7 +25,7 @@ enum Source {
     Output { row: usize, scale: f64, offset: f64 },
     /// The motor's current, computed from the torque on its shaft.
     Current { row: usize, torque_per_current: f64 },
-    /// Nothing: its offset and noise only.
+    /// No quantity: the sensor has only its offset and noise.
     Nothing,
 }
 
@@ -54,7 +54,7 @@ pub(crate) struct Bench<'p> {
     empty_bits: u8,
     inputs: Vec<Input>,
     outputs: Vec<f64>,
-    /// Output row of each watched shaft's speed, and the shaft's angle, rad.
+    /// Output row of the speed of each shaft on which a fault depends, and the shaft's angle, rad.
     shafts: Vec<(usize, f64)>,
     settles_at: f64,
     /// Time of the last reading, s.

@@ -1,4 +1,4 @@
-//! Effects and parameter values that a simulated bench has and its written model does not, as a command line names them.
+//! Effects and parameter values that a simulated bench has but its written model lacks, in the notation of the command line.
 
 use std::str::FromStr;
 
@@ -15,7 +15,7 @@ pub struct Override {
     pub value: f64,
 }
 
-/// An effect of the catalogue that the truth has and the written model does not: `EFFECT@PLACE:name=value,..` (SI).
+/// An effect of the catalogue that the truth has but the written model lacks: `EFFECT@PLACE:name=value,..` (SI).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Concealed {
     /// Effect's id.

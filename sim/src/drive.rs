@@ -32,7 +32,7 @@ pub struct Drive {
     pub lag_s: f64,
     /// Time constant of the armature, s.
     pub armature_lag_s: f64,
-    /// Speed lost per torque that the driven shaft carries, (rad/s)/(N m); 0 where that torque is not measured.
+    /// Decrease of the speed per torque on the driven shaft, (rad/s)/(N m); 0 if that torque is not measured.
     pub droop: f64,
     /// N m per A, for a channel that measures the motor's current.
     pub torque_per_current: f64,

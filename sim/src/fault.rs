@@ -56,7 +56,7 @@ pub(crate) struct Instant {
     pub(crate) angle_rad: f64,
 }
 
-/// A channel with a fault, and what it remembers of earlier samples.
+/// A channel with a fault, and the state of the fault.
 #[derive(Debug)]
 pub(crate) struct FaultyChannel {
     fault: Fault,
@@ -118,7 +118,7 @@ mod tests {
         (TAU * 20.0 * time_s).sin()
     }
 
-    /// A sine of 20 Hz, sampled at 1 kHz, as it is read; with its times.
+    /// Times and readings of a sine of 20 Hz, sampled at 1 kHz.
     fn read(text: &str) -> Vec<(f64, f64)> {
         let mut channel = FaultyChannel::new(fault(text).unwrap());
         let at = |sample: u32| {
@@ -128,7 +128,7 @@ mod tests {
         (0..1000).map(at).map(|(time_s, at)| (time_s, channel.read(wave(time_s), at))).collect()
     }
 
-    /// The challenge has laws of its own: both say the same.
+    /// The challenge has its own laws; both must give the same readings.
     #[cfg(feature = "challenge")]
     #[test]
     fn the_catalogue_and_the_challenge_agree_on_each_flaw() {

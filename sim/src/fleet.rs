@@ -1,4 +1,4 @@
-//! A virtual fleet: sister machines with different parameters, their recordings over the dates, and faults of a few of them.
+//! A virtual fleet: sister machines with different parameters, their recordings at several dates, and faults of a few of them.
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use rand_distr::{Distribution, StandardNormal, Uniform};
@@ -28,9 +28,9 @@ pub struct FleetPlan {
     pub faulty_share: f64,
     /// Parameters that wear, and their change from the first date to the last, as a share of the value.
     pub wear: Vec<Override>,
-    /// Share of the machines that wear: others than the faulty ones.
+    /// Share of the machines that wear; none of these is faulty.
     pub worn_share: f64,
-    /// Seed of all of it.
+    /// Seed of all random draws.
     pub seed: u64,
 }
 
@@ -58,7 +58,7 @@ pub struct VirtualFleet {
 }
 
 impl VirtualFleet {
-    /// Draws a fleet. The faulty machines are the stated share exactly, and so are those that wear.
+    /// Draws a fleet. The stated shares of faulty and of worn machines are met exactly, up to rounding.
     #[must_use]
     pub fn draw(plan: &FleetPlan) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
@@ -70,7 +70,7 @@ impl VirtualFleet {
         let (faulty, worn) = (count(plan.faulty_share), count(plan.worn_share));
         let mut machines: Vec<FleetMachine> =
             (0..plan.machines).map(|number| sister(plan, number, &mut random)).collect();
-        // Fleets of few faulty machines have other faults with other seeds.
+        // In fleets with few faulty machines, the faults depend on the seed.
         let turn = (plan.seed % 1_000_000) as usize;
         for (rank, number) in order.into_iter().enumerate().take(faulty + worn) {
             let machine = &mut machines[number];
@@ -120,7 +120,7 @@ fn sister(plan: &FleetPlan, number: usize, random: &mut ChaCha8Rng) -> FleetMach
     FleetMachine { serial: format!("SN{number:05}"), values, fault: None, wear: None, seed }
 }
 
-/// A fault of another size: its amplitude farther from or nearer to the value at which it does nothing.
+/// A fault of another size: the distance of its amplitude from the null value is multiplied by a random factor.
 fn sized(fault: &Concealed, random: &mut ChaCha8Rng) -> Concealed {
     let mut fault = fault.clone();
     let Some(effect) = effects::find(&fault.effect) else { return fault };
@@ -172,7 +172,7 @@ mod tests {
             data.load(&["load_speed"]).unwrap().columns[0].values().to_vec()
         };
         assert_eq!(speed(1), speed(1));
-        // Half as much damping again at the last date: slower.
+        // At the last date the damping is 1.5 times the first one, so the speed is lower.
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         assert!(mean(&speed(2)) < 0.95 * mean(&speed(0)), "{} {}", mean(&speed(2)), mean(&speed(0)));
     }

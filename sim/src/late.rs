@@ -1,4 +1,4 @@
-//! Readings that come late: a first-order lag and a delay of sampled values.
+//! Delayed readings: a first-order lag and a delay of sampled values.
 
 use std::collections::VecDeque;
 

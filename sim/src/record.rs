@@ -85,7 +85,7 @@ impl<'s> Rows<'s> {
     fn take(&mut self, sample: &Sample) {
         let first = *self.first_tick.get_or_insert(sample.tick);
         let passed_us = u64::from(sample.tick.wrapping_sub(first)) * u64::from(self.period_us);
-        // Divided, which rounds as a log's reader does.
+        // The division rounds in the same way as a log's reader.
         self.time_s.push(passed_us as f64 / 1e6);
         let values = self.calibration.values(sample.output_count, &sample.counts);
         let recorded = values.zip(&self.recorded).filter_map(|(value, recorded)| recorded.then_some(value));
@@ -119,7 +119,7 @@ mod tests {
         let record =
             |seed| setup("speed-o-cam", seed).record("run", &profile("multisine", 2.0), 1000).unwrap();
         let data = record(1);
-        // Fade-out included.
+        // The fade-out is included.
         assert!((2990..3010).contains(&data.rows()), "{}", data.rows());
         assert_eq!(data.segments().len(), 1);
         let command = column(&data, "command_V");

@@ -18,10 +18,10 @@ pub const NO_TACHOMETER: &str = "no_tachometer";
 pub struct Setup {
     /// The true drivetrain.
     pub truth: Truth,
-    /// The drivetrain until a change in mid-run, and the time of the change after the drive was first enabled, s. `truth` takes its states
-    /// over; without a change it holds from the start.
+    /// The drivetrain until a change in mid-run, and the time of the change after the drive was first enabled, s. `truth` continues from
+    /// its states; if `None`, `truth` holds from the start.
     pub before: Option<(Truth, f64)>,
-    /// The drive in front of it.
+    /// The drive of the drivetrain.
     pub drive: Drive,
     /// Sensors and converters.
     pub calibration: Calibration,

@@ -9,7 +9,7 @@ use socam_calibrate::tasks::{Assumed, Task};
 use socam_calibrate::{Line, steady};
 use socam_core::scaling::MotorCalibration;
 use socam_model::Model;
-use socam_recording::{Calibration, Course, ProfileFile};
+use socam_recording::{Calibration, ProfileFile, Waveform};
 use socam_sim::{Override, Setup, Truth};
 use socam_tests::Draw;
 
@@ -80,9 +80,9 @@ fn bench(draw: &mut Draw) -> Result<Held, String> {
     let dwell_s = 1e-3 * (10e3 / f64::from(count)).floor();
     let mut profile = ProfileFile::open("steps").map_err(|e| text(&e))?;
     profile.duration_s = 10.0;
-    profile.course = Course::Staircase { first, step, count, dwell_s, and_back: false };
-    let course = profile.profile(1000).map_err(|e| text(&e))?;
-    let data = setup.record("steps", &course, 1000).map_err(|e| text(&e))?;
+    profile.waveform = Waveform::Staircase { first, step, count, dwell_s, and_back: false };
+    let waveform = profile.profile(1000).map_err(|e| text(&e))?;
+    let data = setup.record("steps", &waveform, 1000).map_err(|e| text(&e))?;
     let found = steady::of(&[data], &model, &Assumed::default()).map_err(|e| text(&e))?;
     let motor = MotorCalibration::LOADED;
     let yields = 1.0 + DROOP * load / 64.0;

@@ -9,7 +9,7 @@ use socam_core::Command;
 use socam_design::{Limits, Rig, sharpest};
 use socam_identify::{Identification, Options, Problem, Source, output_error};
 use socam_model::Model;
-use socam_recording::{Calibration, Course, Dataset, ProfileFile};
+use socam_recording::{Calibration, Dataset, ProfileFile, Waveform};
 use socam_sim::{Override, Setup, SimError, Truth};
 use socam_tests::Draw;
 
@@ -86,15 +86,15 @@ fn bench(args: &Args, number: u64) -> Result<Option<Outcome>, String> {
     let steps = ProfileFile {
         purpose: None,
         command: Command::Voltage,
-        course: Course::Staircase { first: FIRST_V, step: STEP_V, count: 5, dwell_s, and_back: false },
+        waveform: Waveform::Staircase { first: FIRST_V, step: STEP_V, count: 5, dwell_s, and_back: false },
         ramp_s: 0.0,
         limit: LIMIT_V,
         slew: SLEW_V_S,
         duration_s: args.duration,
     };
     let record = |profile: &ProfileFile, seed: u64| {
-        let course = profile.profile(1000).map_err(|e| text(&e))?;
-        match (Setup { seed, ..bench.clone() }.record("run", &course, 1000)) {
+        let waveform = profile.profile(1000).map_err(|e| text(&e))?;
+        match (Setup { seed, ..bench.clone() }.record("run", &waveform, 1000)) {
             Ok(run) => Ok(Some(run)),
             Err(SimError::Fault { .. }) => Ok(None),
             Err(error) => Err(text(&error)),
@@ -118,7 +118,7 @@ fn bench(args: &Args, number: u64) -> Result<Option<Outcome>, String> {
         .into_iter()
         .map(|(name, width)| (of(&name), name, width))
         .map(|(new, name, old)| (name, old, new));
-    Ok(Some(Outcome { profile: format!("{:?}", design.best.profile.course), widths: widths.collect() }))
+    Ok(Some(Outcome { profile: format!("{:?}", design.best.profile.waveform), widths: widths.collect() }))
 }
 
 fn main() -> Result<(), String> {

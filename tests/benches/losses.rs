@@ -81,8 +81,8 @@ fn bench(seed: u64, number: u64) -> Result<Vec<Judged>, String> {
         setup.seed += 1;
         let mut profile = ProfileFile::open(name).map_err(|e| text(&e))?;
         profile.duration_s = 10.0;
-        let course = profile.profile(1000).map_err(|e| text(&e))?;
-        runs.push(setup.record(name, &course, 1000).map_err(|e| text(&e))?);
+        let waveform = profile.profile(1000).map_err(|e| text(&e))?;
+        runs.push(setup.record(name, &waveform, 1000).map_err(|e| text(&e))?);
     }
     let known = SensorStd { gain: Some(GAIN_STD), offset: None };
     let sensors = Sensors { torque_in: known, torque_out: known, ..Sensors::default() };

@@ -108,9 +108,9 @@ impl Bench {
         let mut profile = ProfileFile::open(name).map_err(|error| error.to_string())?;
         // As `simulate --duration` has it: the profile fades out after its own duration.
         profile.duration_s = duration_s - profile.ramp_s;
-        let course = profile.profile(PERIOD_US).map_err(|error| error.to_string())?;
+        let waveform = profile.profile(PERIOD_US).map_err(|error| error.to_string())?;
         Setup::new(truth, calibration, seed)
-            .record(name, &course, PERIOD_US)
+            .record(name, &waveform, PERIOD_US)
             .map_err(|error| error.to_string())
     }
 

@@ -36,7 +36,11 @@ const NEVER: [Never; 16] = [
     ("socam-identify", &["socam_diagnose"], "a diagnosis asks the estimators, never the other way round"),
     ("socam-diagnose", &["socam_sim"], "it must not know how a challenge's truth is made"),
     ("socam-diagnose", &["socam_plot", "maud"], "it reasons; others write pages"),
-    ("socam-answer", &["socam_identify", "socam_diagnose"], "programs that show diagnoses do not make them"),
+    (
+        "socam-findings",
+        &["socam_identify", "socam_diagnose"],
+        "programs that show diagnoses do not make them",
+    ),
     (
         "socam-sim",
         &["socam_identify", "socam_diagnose"],
@@ -49,7 +53,7 @@ const NEVER: [Never; 16] = [
 
 /// Crates of the recorder, which runs on machines without a screen.
 const RECORDER: [&str; 6] =
-    ["socam-core", "socam-wire", "socam-converters", "socam-text", "socam-spectrum", "socam-recording"];
+    ["socam-core", "socam-wire", "socam-converters", "socam-toml", "socam-spectrum", "socam-recording"];
 
 /// Crates of windows.
 const WINDOW: [&str; 3] = ["egui", "eframe", "socam_dashboard"];

@@ -1,13 +1,13 @@
 //! Check view: the findings of `check` for the open recordings, as a table with expandable rows.
 
-mod row;
+pub(crate) mod row;
 
 use std::collections::BTreeSet;
 
 use egui::{RichText, Ui};
-use socam_model::Model;
-use socam_recording::check::{Check, check};
+use socam_recording::check::Check;
 
+use crate::platform::{self, CheckOptions, CheckTask};
 use crate::progress::{self, wake};
 use crate::view::{Help, ViewPanel};
 use row::{COLUMNS, Row};
@@ -15,12 +15,8 @@ use socam_chart::chart::{self, Seen};
 use socam_chart::table::Table;
 use socam_chart::theme;
 use socam_workbench::Workspace;
-use socam_workbench::entry::Entry;
-use socam_workbench::job::Job;
+use socam_workbench::job::{Handle, Job};
 use socam_workbench::recording::short;
-
-/// Relative tolerance of the ratio of mean speeds.
-const RATIO_TOLERANCE: f64 = 0.01;
 
 /// Number of recordings up to which all are unfolded at first.
 const FEW: usize = 2;
@@ -28,24 +24,21 @@ const FEW: usize = 2;
 /// Results of the checks.
 #[derive(Debug, Default)]
 pub struct Checks {
+    options: CheckOptions,
     known: Vec<(String, Result<Check, String>)>,
     job: Option<(String, Job<Result<Check, String>>)>,
     /// Recordings that were folded, or unfolded where there are many.
     turned: BTreeSet<String>,
-    /// The model that the results belong to.
-    revision: u64,
+    /// The settings and the model that the results belong to.
+    of: Option<(CheckTask, u64)>,
 }
 
 impl ViewPanel for Checks {
     fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, _: &mut Vec<Seen>) {
-        egui::CentralPanel::default().show(ui, |ui| self.contents(ui, &workspace.entries, workspace.model()));
+        egui::CentralPanel::default().show(ui, |ui| self.contents(ui, workspace));
     }
 
-    fn poll(&mut self, _: &egui::Context, workspace: &mut Workspace) {
-        if self.revision != workspace.revision() {
-            let turned = std::mem::take(&mut self.turned);
-            *self = Self { revision: workspace.revision(), turned, ..Self::default() };
-        }
+    fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
         if let Some((name, job)) = &self.job
             && let Some(result) = job.poll()
         {
@@ -59,12 +52,16 @@ impl ViewPanel for Checks {
     }
 
     fn help() -> Help {
-        &[]
+        &[(
+            "Tolerance of speed ratios; Input, without a model",
+            "of the mean ratio of two speeds against that of the gears; a channel whose recordings are checked without a model: on a desktop",
+        )]
     }
 }
 
 impl Checks {
-    fn contents(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model) {
+    fn contents(&mut self, ui: &mut Ui, workspace: &Workspace) {
+        let (entries, model) = (&workspace.entries, workspace.model());
         if entries.is_empty() {
             chart::empty_state(
                 ui,
@@ -73,9 +70,12 @@ impl Checks {
             );
             return;
         }
-        self.work(ui, entries, model);
-        let title =
-            format!("Fit for use with the model {}? A click on a row unfolds its findings.", model.name);
+        self.options.ui(ui, model, entries);
+        self.work(ui, workspace);
+        let title = format!(
+            "Fit for use with {}? A click on a row unfolds its findings.",
+            self.options.subject(model)
+        );
         ui.label(RichText::new(title).color(theme::weak(ui)));
         let rows: Vec<Row<'_>> = entries.iter().map(|entry| Row::of(&entry.recording, &self.known)).collect();
         // Few recordings have room for their findings.
@@ -101,15 +101,19 @@ impl Checks {
         }
     }
 
-    fn work(&mut self, ui: &mut Ui, entries: &[Entry], model: &Model) {
+    fn work(&mut self, ui: &mut Ui, workspace: &Workspace) {
+        let Some(task) = self.options.task() else { return };
+        let of = Some((task.clone(), workspace.revision()));
+        if self.of != of {
+            (self.of, self.known, self.job) = (of, Vec::new(), None);
+        }
         let unknown = |name: &str| self.known.iter().all(|(known, _)| known != name);
-        let next = entries.iter().map(|entry| &entry.recording).find(|next| unknown(&next.about.name));
+        let mut recordings = workspace.entries.iter().map(|entry| &entry.recording);
+        let next = recordings.find(|next| unknown(&next.about.name));
         if let (None, Some(recording)) = (&self.job, next) {
-            let options = socam_expectation::of_model(model, RATIO_TOLERANCE);
-            let (own, name) = (recording.clone(), recording.about.name.clone());
-            let work = move |_: &socam_workbench::job::Handle| {
-                check(&own.dataset()?, &options).map_err(|error| error.to_string())
-            };
+            let (own, model, name) =
+                (recording.clone(), workspace.model().clone(), recording.about.name.clone());
+            let work = move |_: &Handle| platform::check(&task, &model, &own);
             let title = format!("Checking {}", short(&name));
             self.job = Some((name, Job::start(&title, &wake(ui.ctx()), work)));
         }

@@ -51,5 +51,8 @@ fn samples_and_state_know_no_window() {
 
 #[test]
 fn state_fits_nothing() {
-    assert_without("socam-workbench", &["socam-identify", "socam-diagnose", "socam-watch", "socam-fleet"]);
+    assert_without(
+        "socam-workbench",
+        &["socam-identify", "socam-diagnose", "socam-monitoring", "socam-fleet"],
+    );
 }

@@ -1,7 +1,7 @@
 //! Families of profiles, and their neighbours.
 
 use socam_core::{Command, Lines};
-use socam_recording::{Course, ProfileFile};
+use socam_recording::{ProfileFile, Waveform};
 
 use crate::Limits;
 
@@ -38,66 +38,66 @@ pub(crate) fn near(profile: &ProfileFile, limits: &Limits, round: u32) -> Vec<Pr
     let factor = [1.8, 1.4, 1.2][round.min(2) as usize];
     let shift = limits.voltage * [0.2, 0.1, 0.05][round.min(2) as usize];
     let mut all = Vec::new();
-    let mut with = |course: Course| {
-        if let Some(course) = filled(course, limits) {
-            all.push(ProfileFile { course, ..profile.clone() });
+    let mut with = |waveform: Waveform| {
+        if let Some(waveform) = filled(waveform, limits) {
+            all.push(ProfileFile { waveform, ..profile.clone() });
         }
     };
-    match profile.course {
-        Course::Multisine { offset, amplitude, lines, from_hz, to_hz, period_s, seed } => {
-            let course = |offset, from_hz: f64, to_hz: f64, seed| {
+    match profile.waveform {
+        Waveform::Multisine { offset, amplitude, lines, from_hz, to_hz, period_s, seed } => {
+            let waveform = |offset, from_hz: f64, to_hz: f64, seed| {
                 let from_hz = from_hz.max(1.0 / period_s);
-                Course::Multisine { offset, amplitude, lines, from_hz, to_hz, period_s, seed }
+                Waveform::Multisine { offset, amplitude, lines, from_hz, to_hz, period_s, seed }
             };
-            with(course(offset, from_hz, (to_hz * factor).min(FASTEST_HZ), seed));
-            with(course(offset, from_hz, (to_hz / factor).max(3.0 * from_hz), seed));
-            with(course(offset, (from_hz * factor).min(to_hz / 3.0), to_hz, seed));
-            with(course(offset, from_hz / factor, to_hz, seed));
-            with(course(offset + shift, from_hz, to_hz, seed));
-            with(course(offset - shift, from_hz, to_hz, seed));
-            with(course(offset, from_hz, to_hz, seed + 1));
+            with(waveform(offset, from_hz, (to_hz * factor).min(FASTEST_HZ), seed));
+            with(waveform(offset, from_hz, (to_hz / factor).max(3.0 * from_hz), seed));
+            with(waveform(offset, (from_hz * factor).min(to_hz / 3.0), to_hz, seed));
+            with(waveform(offset, from_hz / factor, to_hz, seed));
+            with(waveform(offset + shift, from_hz, to_hz, seed));
+            with(waveform(offset - shift, from_hz, to_hz, seed));
+            with(waveform(offset, from_hz, to_hz, seed + 1));
         }
-        Course::Chirp { offset, amplitude, from_hz, to_hz, sweep_s } => {
-            let course = |offset, to_hz| Course::Chirp { offset, amplitude, from_hz, to_hz, sweep_s };
-            with(course(offset, (to_hz * factor).min(FASTEST_HZ)));
-            with(course(offset, to_hz / factor));
-            with(course(offset + shift, to_hz));
-            with(course(offset - shift, to_hz));
+        Waveform::Chirp { offset, amplitude, from_hz, to_hz, sweep_s } => {
+            let waveform = |offset, to_hz| Waveform::Chirp { offset, amplitude, from_hz, to_hz, sweep_s };
+            with(waveform(offset, (to_hz * factor).min(FASTEST_HZ)));
+            with(waveform(offset, to_hz / factor));
+            with(waveform(offset + shift, to_hz));
+            with(waveform(offset - shift, to_hz));
         }
-        Course::Prbs { offset, amplitude, bit_s, order, seed } => {
-            let course = |offset, bit_s: f64, seed| {
+        Waveform::Prbs { offset, amplitude, bit_s, order, seed } => {
+            let waveform = |offset, bit_s: f64, seed| {
                 let bit_s = (bit_s * 1e3).round().max(2.0) * 1e-3;
-                Course::Prbs { offset, amplitude, bit_s, order, seed }
+                Waveform::Prbs { offset, amplitude, bit_s, order, seed }
             };
-            with(course(offset, bit_s * factor, seed));
-            with(course(offset, bit_s / factor, seed));
-            with(course(offset + shift, bit_s, seed));
-            with(course(offset - shift, bit_s, seed));
+            with(waveform(offset, bit_s * factor, seed));
+            with(waveform(offset, bit_s / factor, seed));
+            with(waveform(offset + shift, bit_s, seed));
+            with(waveform(offset - shift, bit_s, seed));
         }
-        Course::Staircase { first, step, count, dwell_s, and_back } => {
-            let course = |dwell_s: f64| {
+        Waveform::Staircase { first, step, count, dwell_s, and_back } => {
+            let waveform = |dwell_s: f64| {
                 let dwell_s = (dwell_s * 1e3).round() * 1e-3;
-                Course::Staircase { first, step, count, dwell_s, and_back }
+                Waveform::Staircase { first, step, count, dwell_s, and_back }
             };
-            with(course(dwell_s * factor));
-            with(course(dwell_s / factor));
+            with(waveform(dwell_s * factor));
+            with(waveform(dwell_s / factor));
         }
-        Course::Constant { .. } | Course::Sine { .. } | Course::Triangle { .. } => {}
+        Waveform::Constant { .. } | Waveform::Sine { .. } | Waveform::Triangle { .. } => {}
     }
     all
 }
 
 /// The profile with the largest amplitude about its mean that the voltage limit allows; `None` if there is none.
-fn filled(mut course: Course, limits: &Limits) -> Option<Course> {
-    if let Course::Multisine { from_hz, to_hz, period_s, .. } = &mut course {
+fn filled(mut waveform: Waveform, limits: &Limits) -> Option<Waveform> {
+    if let Waveform::Multisine { from_hz, to_hz, period_s, .. } = &mut waveform {
         // The distance between lines is the inverse of the period.
         let longest = (1e3 * MOST_LINES / (*to_hz - *from_hz)).floor() * 1e-3;
         *period_s = period_s.min(longest);
         *from_hz = from_hz.max(1.0 / *period_s);
     }
-    if let Course::Multisine { offset, amplitude, .. }
-    | Course::Chirp { offset, amplitude, .. }
-    | Course::Prbs { offset, amplitude, .. } = &mut course
+    if let Waveform::Multisine { offset, amplitude, .. }
+    | Waveform::Chirp { offset, amplitude, .. }
+    | Waveform::Prbs { offset, amplitude, .. } = &mut waveform
     {
         let below = if limits.one_way { offset.abs() - LEAST * limits.voltage } else { f64::INFINITY };
         *amplitude = (FULL * limits.voltage - offset.abs()).min(below);
@@ -105,16 +105,16 @@ fn filled(mut course: Course, limits: &Limits) -> Option<Course> {
             return None;
         }
     }
-    Some(course)
+    Some(waveform)
 }
 
-fn profile(limits: &Limits, course: Course) -> ProfileFile {
+fn profile(limits: &Limits, waveform: Waveform) -> ProfileFile {
     let ramp_s =
-        if matches!(course, Course::Staircase { .. }) { 0.0 } else { (0.1 * limits.duration_s).min(0.5) };
+        if matches!(waveform, Waveform::Staircase { .. }) { 0.0 } else { (0.1 * limits.duration_s).min(0.5) };
     ProfileFile {
         purpose: None,
         command: Command::Voltage,
-        course: filled(course, limits).unwrap_or(course),
+        waveform: filled(waveform, limits).unwrap_or(waveform),
         ramp_s,
         limit: limits.voltage,
         slew: limits.slew_v_s,
@@ -127,26 +127,29 @@ fn multisine(limits: &Limits, mean: f64, (from_hz, to_hz): (f64, f64)) -> Profil
     // A whole number of ms, and no longer than half the recording.
     let period_s = if limits.duration_s >= 8.0 { 4.0 } else { 2.0 };
     let offset = mean * limits.voltage;
-    let course =
-        Course::Multisine { offset, amplitude: 0.1, lines: Lines::Full, from_hz, to_hz, period_s, seed: 1 };
-    profile(limits, course)
+    let waveform =
+        Waveform::Multisine { offset, amplitude: 0.1, lines: Lines::Full, from_hz, to_hz, period_s, seed: 1 };
+    profile(limits, waveform)
 }
 
 fn chirp(limits: &Limits, mean: f64, to_hz: f64) -> ProfileFile {
     let sweep_s = (0.8 * limits.duration_s * 1e3).round() * 1e-3;
     let offset = mean * limits.voltage;
-    profile(limits, Course::Chirp { offset, amplitude: 0.1, from_hz: SLOWEST_HZ, to_hz, sweep_s })
+    profile(limits, Waveform::Chirp { offset, amplitude: 0.1, from_hz: SLOWEST_HZ, to_hz, sweep_s })
 }
 
 fn prbs(limits: &Limits, mean: f64, bit_s: f64) -> ProfileFile {
-    profile(limits, Course::Prbs { offset: mean * limits.voltage, amplitude: 0.1, bit_s, order: 9, seed: 1 })
+    profile(
+        limits,
+        Waveform::Prbs { offset: mean * limits.voltage, amplitude: 0.1, bit_s, order: 9, seed: 1 },
+    )
 }
 
 /// A staircase from one end of the range to the other and back.
 fn staircase(limits: &Limits, dwell_s: f64) -> ProfileFile {
     let high = FULL * limits.voltage;
     let low = if limits.one_way { 0.2 * high } else { -high };
-    profile(limits, Course::Staircase { first: high, step: low - high, count: 2, dwell_s, and_back: false })
+    profile(limits, Waveform::Staircase { first: high, step: low - high, count: 2, dwell_s, and_back: false })
 }
 
 #[cfg(test)]
@@ -162,7 +165,7 @@ mod tests {
                 for round in 0..3 {
                     for other in near(&start, &limits, round) {
                         other.profile(1000).unwrap();
-                        if let Course::Multisine { offset, amplitude, .. } = other.course {
+                        if let Waveform::Multisine { offset, amplitude, .. } = other.waveform {
                             assert!(offset.abs() + amplitude < 1.8 && (!one_way || offset > amplitude));
                         }
                     }

@@ -1,7 +1,7 @@
 //! A proposal as a profile file and as the document `socam.design/1`.
 
 use serde::Serialize;
-use socam_recording::{Course, ProfileFile};
+use socam_recording::{ProfileFile, Waveform};
 
 use crate::{Design, Limits, Width};
 
@@ -65,7 +65,7 @@ pub fn five_steps(limits: &Limits) -> ProfileFile {
     ProfileFile {
         purpose: None,
         command: socam_core::Command::Voltage,
-        course: Course::Staircase {
+        waveform: Waveform::Staircase {
             first,
             step: 0.25 * (0.98 * highest - first),
             count: 5,
@@ -82,16 +82,16 @@ pub fn five_steps(limits: &Limits) -> ProfileFile {
 /// Rounds the numbers of a profile.
 fn rounded(mut profile: ProfileFile) -> ProfileFile {
     let round = |value: &mut f64, digits: f64| *value = (*value * digits).floor() / digits;
-    match &mut profile.course {
-        Course::Multisine { offset, amplitude, from_hz, to_hz, .. }
-        | Course::Chirp { offset, amplitude, from_hz, to_hz, .. } => {
+    match &mut profile.waveform {
+        Waveform::Multisine { offset, amplitude, from_hz, to_hz, .. }
+        | Waveform::Chirp { offset, amplitude, from_hz, to_hz, .. } => {
             [offset, amplitude].into_iter().for_each(|value| round(value, 1e4));
             [from_hz, to_hz].into_iter().for_each(|value| round(value, 1e2));
         }
-        Course::Prbs { offset, amplitude, .. } => {
+        Waveform::Prbs { offset, amplitude, .. } => {
             [offset, amplitude].into_iter().for_each(|value| round(value, 1e4))
         }
-        Course::Staircase { first, step, .. } => {
+        Waveform::Staircase { first, step, .. } => {
             [first, step].into_iter().for_each(|value| round(value, 1e4))
         }
         _ => {}

@@ -2,7 +2,7 @@
 
 use socam_identify::NoiseLevels;
 use socam_model::{Model, Quantity};
-use socam_recording::{Course, Dataset, ProfileFile};
+use socam_recording::{Dataset, ProfileFile, Waveform};
 use socam_sim::{Setup, SimError};
 
 use crate::DesignError;
@@ -108,8 +108,8 @@ impl Rig {
         let mut free = Setup { noisy: false, ..self.setup.clone() };
         free.calibration.channels.iter_mut().for_each(|channel| channel.limit = None);
         for _ in 0..ATTEMPTS {
-            let Ok(course) = profile.profile(PERIOD_US) else { return Ok(None) };
-            let data = match free.record("proposal", &course, PERIOD_US) {
+            let Ok(waveform) = profile.profile(PERIOD_US) else { return Ok(None) };
+            let data = match free.record("proposal", &waveform, PERIOD_US) {
                 Ok(data) => data,
                 // A saturated converter violates the limits too.
                 Err(SimError::Fault { .. }) => {
@@ -143,22 +143,22 @@ impl Rig {
 
 /// Attenuates the motion about the mean; of a staircase, its steps.
 fn soften(profile: &mut ProfileFile, factor: f64) {
-    match &mut profile.course {
-        Course::Multisine { amplitude, offset, .. }
-        | Course::Chirp { amplitude, offset, .. }
-        | Course::Prbs { amplitude, offset, .. }
-        | Course::Sine { amplitude, offset, .. }
-        | Course::Triangle { amplitude, offset, .. } => {
+    match &mut profile.waveform {
+        Waveform::Multisine { amplitude, offset, .. }
+        | Waveform::Chirp { amplitude, offset, .. }
+        | Waveform::Prbs { amplitude, offset, .. }
+        | Waveform::Sine { amplitude, offset, .. }
+        | Waveform::Triangle { amplitude, offset, .. } => {
             *amplitude *= factor;
             // The mean is attenuated too if it violates a limit itself.
             if factor < 0.5 {
                 *offset *= factor.sqrt();
             }
         }
-        Course::Staircase { first, step, .. } => {
+        Waveform::Staircase { first, step, .. } => {
             *first *= factor;
             *step *= factor;
         }
-        Course::Constant { level } => *level *= factor,
+        Waveform::Constant { level } => *level *= factor,
     }
 }

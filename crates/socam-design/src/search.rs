@@ -241,8 +241,8 @@ fn order(a: (f64, f64), b: (f64, f64)) -> std::cmp::Ordering {
 fn first_of_each<'t>(ranked: impl Iterator<Item = &'t Tried>) -> Vec<Tried> {
     let mut kept: Vec<Tried> = Vec::new();
     for tried in ranked {
-        let kind = std::mem::discriminant(&tried.profile.course);
-        if kept.iter().all(|known| std::mem::discriminant(&known.profile.course) != kind) {
+        let kind = std::mem::discriminant(&tried.profile.waveform);
+        if kept.iter().all(|known| std::mem::discriminant(&known.profile.waveform) != kind) {
             kept.push(tried.clone());
         }
     }

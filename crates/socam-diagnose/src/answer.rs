@@ -20,9 +20,9 @@ use crate::{
 };
 use inputs::Inputs;
 
-/// Residual of one channel, in units of its noise floor, above which the model is called inadequate whatever the tests say. Complete models
-/// leave 0.9 to 1.1.
-const CONTRADICTION: f64 = 2.0;
+/// Residual of one channel, in units of its noise floor, above which the model is called inadequate whatever the results of the tests.
+/// Complete models leave 0.9 to 1.1.
+const INADEQUATE_CHANNEL: f64 = 2.0;
 /// Mean square of the whitened residuals of all channels, in units of sensor noise, above which the model is called inadequate. Complete
 /// models with a noisy input and coarse converters leave up to 1.09.
 pub const INADEQUATE: f64 = 1.2;
@@ -141,9 +141,9 @@ fn contradiction(path: &Path, floor: &[f64]) -> Option<Finding> {
         .map(|((channel, floor), missed)| (channel, *missed, missed / floor));
     let finite = each.filter(|(.., times)| times.is_finite());
     let (channel, missed, times) = finite.max_by(|a, b| a.2.total_cmp(&b.2))?;
-    // The excess does not know a coarse encoder's rounding, because it leaves no noise at high frequencies; the noise floor contains it.
+    // The excess misses the rounding of a coarse encoder, which leaves no noise at high frequencies; the noise floor includes it.
     let is_above = left >= INADEQUATE && times > INADEQUATE.sqrt();
-    if times < CONTRADICTION && !is_above {
+    if times < INADEQUATE_CHANNEL && !is_above {
         return None;
     }
     let (missed, unit, name) = (words::short(missed), channel.unit, &channel.name);

@@ -86,7 +86,7 @@ impl Candidate {
         }
     }
 
-    /// Amplitude that does as much as a change of its linear coordinate by `change`.
+    /// Amplitude after a change of its linear coordinate from the null value by `change`.
     pub(crate) fn amplitude_of(&self, change: f64) -> f64 {
         match self.effect.amplitude.coordinate {
             Coordinate::Value if self.has_nonnull_linearisation() => self.linearised_at,

@@ -29,7 +29,7 @@ pub(crate) struct Choice {
 }
 
 /// Fits the candidates `tried` (with their p-values) and chooses one. With `scales`, faults of single sensors and large starts are tried
-/// too where much is left. `None` where no candidate predicts better than the last model by more than a standard error.
+/// too if the residuals stay large. `None` where no candidate predicts better than the last model by more than a standard error.
 pub(crate) fn best(
     context: &Context<'_>,
     path: &Path,
@@ -80,7 +80,7 @@ pub(crate) fn among(
         .map(|one| Ok(context.compared(&one.model, &one.at, &noise)?.map(|fitted| (one.index, fitted))));
     let refitted: Result<Vec<Option<(usize, FittedModel)>>, IdentifyError> = refitted.collect();
     let fits = refitted?.into_iter().flatten();
-    // A fit outside the support of a prior is no candidate.
+    // A fit outside the support of a prior is not a candidate.
     let fits: Vec<(usize, FittedModel)> =
         fits.filter(|(_, fitted)| path.priors.log_prior(fitted).is_finite()).collect();
     let Some(chosen) = simplest(path, &before, &fits) else { return Ok(None) };
@@ -145,7 +145,7 @@ fn rivals(
         .collect();
     let weights = criterion::weights(&scored, gained, context.options.seed);
     let own = &tried[fits[chosen].0].0;
-    // A law that contains the chosen one and gains nothing over it is no competitor.
+    // A law that contains the chosen one and gains nothing over it is not a competitor.
     let is_redundant = |index: usize, fitted: &FittedModel| {
         let more = path.gain(fitted, &fits[chosen].1);
         tried[index].0.contains(own) && more.log_score <= more.std

@@ -22,7 +22,7 @@ use crate::{
 const FEW: usize = 3;
 /// Number of blocks into which fewer recordings are cut, all together.
 const BLOCKS: usize = 4;
-/// Number of segments of one recording that are many.
+/// Number of segments of one recording above which segments count as many.
 const MANY_SEGMENTS: usize = 4;
 /// Mean square of the whitened residuals, in units of sensor noise, above which inputs are treated as exact, and above which large starts
 /// are tried even after an effect was added.
@@ -77,7 +77,7 @@ impl<'a> Context<'a> {
         Ok(Self { training, fit, options, folds })
     }
 
-    /// What is left out in turn: whole recordings or blocks.
+    /// Cross-validation scheme: by whole recordings or by blocks.
     pub(crate) fn validation(&self) -> Validation {
         if self.folds.is_empty() { Validation::LeaveOneOut } else { Validation::Blocks }
     }
@@ -192,8 +192,8 @@ impl<'a> Context<'a> {
     }
 }
 
-/// A descent in rounds. Each round is a number of iterations, and the largest multiple of `best` that the sum of squares may be after it
-/// for the descent to continue. A descent that converges early must meet the last round's multiple. `None` where the descent was given up.
+/// Descends in rounds of `(iterations, multiple)`: after a round the descent continues only if the sum of squares is at most `multiple`
+/// times `best`. A descent that converges early must meet the last round's multiple. `None` if the descent was given up.
 pub(crate) fn descend_in_rounds(
     problem: &Problem<'_>,
     noise: &NoiseModel,

@@ -16,14 +16,14 @@ const MOST_MERGED: usize = 5;
 const LEAST_BLOCKS: usize = 10;
 /// Draws of the bootstrap.
 const DRAWS: usize = 500;
-/// Discrepancy of a law: the real effect differs from its law by about this share of its contribution to the outputs, 1 (tanh friction from
-/// bristle friction: 2 to 8 %; fixed from load-dependent stiffness likewise).
+/// Discrepancy of a law: the real effect differs from its law by about this share of its contribution to the outputs, 1 (2 to 8 % between
+/// tanh and bristle friction, and between fixed and load-dependent stiffness).
 const LAW_DISCREPANCY: f64 = 0.08;
 /// Part of that discrepancy that appears at other places, 1.
 const DISCREPANCY_ELSEWHERE: f64 = 0.02;
 
 /// Difference of log scores that the discrepancy of a law can make at its own place, if the law gains `gained` in log score. (A log score
-/// is proportional to the square of the explained signal.) Smaller differences are no evidence for or against a law.
+/// is proportional to the square of the explained signal.) Smaller differences are not evidence for or against a law.
 pub(crate) fn by_law(gained: f64) -> f64 {
     LAW_DISCREPANCY.powi(2) * gained.max(0.0)
 }

@@ -24,7 +24,7 @@ use crate::{
 pub(crate) const BASE_ITERATIONS: usize = 20;
 /// Attempted integration steps per sample beyond which a candidate's prediction is given up. Rattling teeth take a few.
 pub(crate) const MOST_STEPS: usize = 64;
-/// Shares of the time of a diagnosis that precede its parts as a rule, 1; for estimates of the remaining time.
+/// Typical share of a diagnosis' time that has passed when a part begins, 1; used to estimate the remaining time.
 const PART_NOISE: f64 = 0.10;
 const PART_INTERVALS: f64 = 0.85;
 const PART_PROOF: f64 = 0.95;
@@ -43,11 +43,17 @@ pub struct Answer {
 /// Finds out whether `model` lacks physics that the `training` recordings show, which physics, and whether the corrected model predicts the
 /// `held_out` recordings better. With [`HeldOut::none`], the answer rests on cross-validation among the training recordings.
 ///
-/// Held-out recordings are opened after the last choice. One that cannot be used then costs the proof and not the answer: a warning says why.
+/// Held-out recordings are opened after the last choice. If one cannot be used, the answer has a warning in place of a proof.
+///
+/// # Method
+/// Forward stepwise selection. A score test at the last fit ranks the candidates; a wild bootstrap over blocks gives family-wise p-values
+/// (V. Chernozhukov, D. Chetverikov, K. Kato, Ann. Stat. 41, 2013). Candidates are fitted by successive halving (K. Jamieson and
+/// A. Talwalkar, AISTATS 2016). Models are compared by the difference of cross-validated log scores, and weighted by pseudo-BMA (Y. Yao et
+/// al., Bayesian Analysis 13, 2018).
 ///
 /// # Errors
-/// [`DiagnoseError`] where a training recording or the model cannot be used, or a held-out recording in memory has the samples of a training
-/// recording. It is no error that no candidate fits.
+/// [`DiagnoseError`] where a training recording or the model cannot be used, or a held-out recording in memory has the samples of a
+/// training recording. A diagnosis in which no candidate fits is not an error.
 ///
 /// ```
 /// use socam_diagnose::{HeldOut, Options, diagnose};
@@ -81,22 +87,22 @@ pub fn diagnose(
         starts: options.starts,
         seed: options.seed,
         start_state: options.start_state,
-        watch: options.watch.clone(),
+        progress: options.progress.clone(),
         most_steps: Some(MOST_STEPS),
         ..FitOptions::default()
     };
     let near = FitOptions { max_iterations: BASE_ITERATIONS, ..fit.clone() };
-    options.watch.part("fit of the model", 0.0);
+    options.progress.part("fit of the model", 0.0);
     let before = output_error(&Problem::new(model, &training, near)?)?;
-    options.watch.part("outliers, noise and its discrepancy", PART_NOISE);
+    options.progress.part("outliers, noise and its discrepancy", PART_NOISE);
     let levels = levels(model, &before);
     let (training, mut outliers) = preprocessed(model, &training, &before.point, &levels, &fit)?;
     let context = Context::new(model, &training, fit, options)?;
     let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
     let path = forward::run(&context, model, &before.point, &levels)?.ok_or_else(diverged)?;
-    options.watch.part("intervals", PART_INTERVALS);
+    options.progress.part("intervals", PART_INTERVALS);
     let choice = FinalChoice::make(&context, path, &before)?;
-    options.watch.part("held-out recordings and pictures", PART_PROOF);
+    options.progress.part("held-out recordings and pictures", PART_PROOF);
     let outcome = Proof::open(&context, &choice, held_out)?;
     let proof = outcome.proof();
     if let Some(proof) = proof {

@@ -10,16 +10,16 @@ use crate::{
     selection::{EXCESS, Path},
 };
 
-/// Rounds of a fit without a term: iterations, and the largest multiple of the deviance with the term that it may have after them.
+/// Rounds of a fit without a term: `(iterations, multiple)` of `descend_in_rounds`, relative to the deviance with the term.
 const WITHOUT: [(usize, f64); 2] = [(2, 100.0), (4, 2.0)];
-/// Rounds of each start of a nested law, likewise.
+/// Rounds of each start of a nested law, in the same form.
 const UPGRADING: [(usize, f64); 2] = [(2, 4.0), (4, 2.0)];
 
 /// Share of the excess at the last attempt below which nested laws are tried again.
 const RETRY_SHARE: f64 = 0.5;
 
 impl Path {
-    /// Removes those of the first `first` terms, the latest first, without which the model predicts as well to within a standard error.
+    /// Removes terms among the first `first`, the latest first, if the model without them predicts as well to within a standard error.
     pub(crate) fn eliminate(&mut self, context: &Context<'_>, first: usize) -> Result<(), IdentifyError> {
         for index in (0..first).rev() {
             let Some(without) = self.fitted_without(context, index)? else { continue };
@@ -77,7 +77,7 @@ impl Path {
         self.renew_noise(context)
     }
 
-    /// Removes terms that gain nothing beside the nonparametric term.
+    /// Removes terms that gain nothing if the nonparametric term is in the model.
     pub(crate) fn replace_by_curve(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
         for index in (0..self.terms.len()).rev() {
             let Some(curve) = &self.unexplained else { return Ok(()) };
@@ -124,8 +124,8 @@ impl Path {
         if other.effect.id == term.candidate.effect.id { 0.0 } else { criterion::by_law(term.gain.log_score) }
     }
 
-    /// Replaces terms' laws by laws that contain them where those predict better. The noise is known only once most missing physics was
-    /// added, so a law is tried again when much less is left.
+    /// Replaces terms' laws by laws that contain them and predict better. Noise levels are known only once most missing physics was added,
+    /// so a law is tried again when the excess has fallen below [`RETRY_SHARE`].
     pub(crate) fn upgrade(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
         for index in 0..self.terms.len() {
             let excess = self.noise.excess();
@@ -170,8 +170,8 @@ impl Path {
         Ok(())
     }
 
-    /// The last model with another law in the place of a term's law, after a few rounds from each of several starts; the least deviance of
-    /// them.
+    /// Replaces a term's law in the last model by another law, fits a few rounds from each of several starts, and returns the fit with the
+    /// least deviance.
     fn best_of(
         &self,
         context: &Context<'_>,

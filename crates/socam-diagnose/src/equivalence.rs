@@ -25,13 +25,13 @@ pub(crate) fn equivalents(
             let effect = effects::find(other.effect).filter(|_| is_short);
             effect.map(|effect| Candidate { effect, ..own.clone() }).into_iter().collect()
         }
-        // These hold or not depending on the recordings.
+        // Whether these conditions hold depends on the recordings.
         Condition::OneDirection | Condition::Stated(_) => Vec::new(),
     });
     each.collect()
 }
 
-/// The candidate's effect in the other of two springs in series. Both springs carry one torque, and only the sum of their twists is measured.
+/// The candidate's effect in the other of two springs in series: both carry the same torque, and only the sum of their twists is measured.
 fn in_series(model: &Model, own: &Candidate, may: impl Fn(&Spring, &Spring) -> bool) -> Vec<Candidate> {
     // Effects in a spring do not separate it from its neighbour.
     let mut plain = model.clone();

@@ -47,7 +47,7 @@ pub enum DiagnoseError {
 }
 
 impl DiagnoseError {
-    /// A recording is both held out and fitted; by their names.
+    /// Error for a held-out recording with the samples of a fitted one, both given by name.
     pub(crate) fn same_samples(held_out: &str, training: &str) -> Self {
         Self::SameSamples { holdout: held_out.to_owned(), training: training.to_owned() }
     }

@@ -1,4 +1,4 @@
-//! The next experiment: a profile that tells competing models apart.
+//! The next experiment: a profile that distinguishes competing models.
 
 use socam_model::effects::{
     self, ActsAt,
@@ -32,8 +32,8 @@ pub(crate) fn shape(finding: &Finding) -> Option<SuggestedExperiment> {
     })
 }
 
-/// An experiment in which a finding and its first competing model differ: the one of the two effects' experiments with the higher
-/// precedence. `None` where the finding has no competing model.
+/// An experiment in which a finding and its first competing model differ: of the two effects' experiments, the one with the higher
+/// precedence. `None` if the finding has no competing model.
 pub(crate) fn suggestion(finding: &Finding) -> Option<SuggestedExperiment> {
     let rival = finding.rivals.first()?;
     let own = [&finding.effect, &rival.effect].into_iter().filter_map(|id| effects::find(id));
@@ -49,7 +49,7 @@ pub(crate) fn suggestion(finding: &Finding) -> Option<SuggestedExperiment> {
     })
 }
 
-/// An experiment that tells apart the competing models of violated parity relations; `None` where no finding has any.
+/// An experiment that distinguishes the competing models of violated parity relations; `None` if no finding has any.
 pub(crate) fn steady(findings: &[Finding]) -> Option<SuggestedExperiment> {
     let open: Vec<&Finding> = findings.iter().filter(|finding| !finding.rivals.is_empty()).collect();
     let first = *open.first()?;

@@ -4,7 +4,7 @@ use socam_identify::{Identification, IdentifyError};
 
 use crate::{context::Context, intervals, selection::Path};
 
-/// The selection after its last choice. It is what opens held-out recordings.
+/// The selection after its last choice. Held-out recordings can be opened only with this value.
 pub(crate) struct FinalChoice {
     path: Path,
     estimates: Identification,

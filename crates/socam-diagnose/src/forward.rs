@@ -22,7 +22,7 @@ use crate::{
 /// Number of steps beyond the largest number of effects, for further orders of periodic effects: all orders at one place are one effect.
 const MORE_ORDERS: usize = 8;
 
-/// Shares of the time of a diagnosis that precede and follow the selection as a rule, 1; for estimates of the remaining time.
+/// Typical shares of a diagnosis' time before and after the selection, 1; used to estimate the remaining time.
 const PART_BEFORE: f64 = 0.15;
 const PART_AFTER: f64 = 0.15;
 
@@ -97,7 +97,7 @@ impl Path {
             nonparametric::competing(context, self, &scales, named.as_ref(), is_any_significant)?;
         if let Some(curve) = &self.unexplained {
             let mut overlooked = self.overlooked(curve, &tried);
-            // The effect that was chosen before competes again.
+            // The effect chosen before the curve was fitted competes again.
             let is_chosen = |candidate: &Candidate| {
                 named.as_ref().is_some_and(|one| one.term.candidate.is_same(candidate))
             };
@@ -121,16 +121,16 @@ impl Path {
         Ok(true)
     }
 
-    /// Reports a part of this step; `share` of the step precedes it.
+    /// Reports the beginning of a part of this step; `share` of the step is done by then.
     fn begin_part(&self, context: &Context<'_>, name: &str, share: f64) {
         let (added, most) = (self.effects(), context.options.most_effects);
         let step = (added.min(most) as f64 + share) / (most + 1) as f64;
         let name = format!("{name}, effect {}", added + 1);
-        context.fit.watch.part(&name, PART_BEFORE + (1.0 - PART_BEFORE - PART_AFTER) * step);
+        context.fit.progress.part(&name, PART_BEFORE + (1.0 - PART_BEFORE - PART_AFTER) * step);
     }
 
     /// The better of two effects at a curve's place that together predict as well as the curve: a curve also follows the sum of two laws,
-    /// which a single law cannot. `None` where there are no such two.
+    /// which a single law cannot. `None` if no two effects do.
     fn first_of_two(
         &self,
         context: &Context<'_>,

@@ -16,10 +16,10 @@ use crate::{
 
 /// Iterations of the first round.
 const FIRST_ROUND: usize = 4;
-/// Iterations of the first round of a candidate whose amplitude sensitivities cannot predict.
+/// Iterations of the first round of a candidate whose amplitude cannot be predicted from sensitivities.
 const RESTART_ROUND: usize = 10;
-/// Rounds of a candidate that begins large: iterations, and the largest multiple of the best deviance so far that it may have after them.
-/// With several recordings, the first [`ON_ONE`] of these rounds use one recording.
+/// Rounds of a candidate with a large start amplitude: iterations, and the largest multiple of the best deviance so far that it may have
+/// after them. With several recordings, the first [`ON_ONE`] of these rounds use one recording.
 const LARGE_ROUNDS: [(usize, f64); 4] = [(10, 30.0), (10, 10.0), (10, 10.0), (20, 2.0)];
 const ON_ONE: usize = 2;
 /// Number of further rounds, and iterations of each.
@@ -102,7 +102,7 @@ fn successive_halving(
         .collect())
 }
 
-/// Keeps the contenders that gained this share of the best one's gain or came near it, the best first, each effect and place once.
+/// Keeps contenders whose gain is this share of the best one's or near it, sorted with the best first, one per effect and place.
 fn keep_up(contenders: &mut Vec<Contender>, tried: &[Candidate], before: f64, share: f64) {
     contenders.sort_by(|a, b| a.at.total().total_cmp(&b.at.total()));
     let least = contenders.first().map_or(before, |contender| contender.at.total()).min(before);

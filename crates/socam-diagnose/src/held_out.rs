@@ -8,7 +8,7 @@ use socam_recording::{Dataset, RecordingError, Selection};
 use crate::{error::DiagnoseError, final_choice::FinalChoice};
 
 /// Recordings that are held out. [`diagnose`](fn@crate::diagnose) opens them after the last choice; before, it only compares checksums of
-/// those in memory with the training recordings. What opens a file should be checked before: see [`refuse_copies`].
+/// those in memory with the training recordings. Files should be checked beforehand by [`refuse_copies`].
 ///
 /// ```
 /// use socam_diagnose::HeldOut;
@@ -25,19 +25,19 @@ pub struct HeldOut<'a> {
 /// A held-out recording before it is opened.
 struct Unopened<'a> {
     name: String,
-    /// The recording if its caller has opened it already, for its checksum.
+    /// The recording if its caller has already opened it; used for its checksum.
     in_memory: Option<Dataset>,
     open: Box<dyn FnOnce() -> Result<Dataset, String> + Send + 'a>,
 }
 
 impl<'a> HeldOut<'a> {
-    /// Nothing is held out.
+    /// No held-out recordings.
     #[must_use]
     pub fn none() -> Self {
         Self::default()
     }
 
-    /// Recordings that their caller has opened already, as they are.
+    /// Held-out recordings that the caller has already opened; they are predicted without any preparation.
     #[must_use]
     pub fn in_memory(recordings: &[Dataset]) -> Self {
         recordings
@@ -79,7 +79,7 @@ impl<'a> HeldOut<'a> {
         self.recordings.is_empty()
     }
 
-    /// Seals the recordings for a diagnosis that fits `training`.
+    /// Locks the recordings until the last choice of a diagnosis that fits `training`.
     ///
     /// # Errors
     /// [`DiagnoseError::SameSamples`] if one that is in memory has the samples of a training recording.

@@ -1,9 +1,9 @@
 //! Multiple shooting: the start of the selection where the base model's residuals are far above the noise.
 //!
-//! A free run from one start state integrates what the model lacks over the whole recording. Its deviance then has minima in which base
-//! parameters imitate the missing physics. Cut into short parts with start states of their own, the same recording follows the measured
-//! motion, and the model predicts only what moves it next (multiple shooting, H. G. Bock 1983, without continuity of the parts). The first
-//! effect that is found so, with all values, begins the selection on whole recordings.
+//! A free run from one start state integrates the model's errors over the whole recording. Its deviance then has minima in which base
+//! parameters imitate the missing physics. A prediction in short parts, each with its own start state, stays near the measured motion
+//! (multiple shooting, H. G. Bock 1983, without continuity of the parts). The first effect found in this way, with all parameter values, is
+//! the start of the selection on whole recordings.
 
 use socam_identify::{IdentifyError, Options as FitOptions, StartState};
 use socam_recording::{Dataset, RecordingError};
@@ -16,14 +16,14 @@ use crate::{
     selection::Path,
 };
 
-/// Samples of a part: the longer ones where the shorter ones show nothing.
+/// Samples per part. The longer parts are tried if the shorter ones show no effect.
 const SAMPLES: [usize; 2] = [40, 160];
 /// Fewest parts of a recording.
 const LEAST_PARTS: usize = 4;
 
 impl Path {
-    /// The first effect that short parts of the recordings show, fitted to whole recordings; `None` where the base model is near the data,
-    /// or where that effect does not bring it near.
+    /// The first effect that short parts of the recordings show, fitted to whole recordings. `None` if the base model is already near the
+    /// data, or if the model with that effect is not.
     pub(crate) fn by_short_horizons(&self, context: &Context<'_>) -> Result<Option<Self>, IdentifyError> {
         if self.noise.excess() < FAR_BEYOND_NOISE {
             return Ok(None);

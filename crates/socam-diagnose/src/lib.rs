@@ -4,8 +4,8 @@
 //! * [`diagnose`](fn@diagnose) compares a [`socam_model::Model`] with recordings. Its stages are the modules `preprocessing`, `context`
 //!   (cross-validation), `score_test`, `forward` (selection, with `shortlist`, `halving`, `choice` and `criterion`), `nonparametric`,
 //!   `elimination`, `intervals`, `materiality`, `proof` and `answer`.
-//! * [`screen`] says of one recording whether a diagnosis would find anything, at a fraction of its cost.
-//! * [`diagnose_steady`] compares it with tables of steady operating points ([`steady`]).
+//! * [`screen`] tests whether a diagnosis of one recording would find anything, at a fraction of its cost.
+//! * [`diagnose_steady`] compares a model with tables of steady operating points ([`steady`]).
 //! * [`Options`] and [`SteadyOptions`] hold the false-alarm rate and the limits of the search.
 //! * [`Answer`] holds the [`Diagnosis`], which scripts read ([`document`]), the [`Evidence`] for pictures ([`evidence`]) and the corrected
 //!   model. `socam_report::diagnosis` makes a page of these.
@@ -78,5 +78,5 @@ pub use error::DiagnoseError;
 pub use held_out::{HeldOut, refuse_copies};
 pub use options::Options;
 pub use screening::{Frozen, Screening, Suspect, screen};
-pub use socam_answer::{Diagnosis, Evidence, document, evidence};
+pub use socam_findings::{Diagnosis, Evidence, document, evidence};
 pub use steady::{SteadyOptions, diagnose_steady};

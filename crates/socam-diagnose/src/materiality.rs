@@ -15,8 +15,8 @@ pub(crate) struct LargestChange {
     pub(crate) share: f64,
 }
 
-/// The largest change of a channel's prediction on the training recordings when a term's amplitude is set to its null value and everything
-/// else stays. `None` where the prediction without the term overflows.
+/// The largest change of a channel's prediction on the training recordings when a term's amplitude is set to its null value and nothing
+/// else is changed. `None` if the prediction without the term overflows.
 pub(crate) fn largest_change(
     context: &Context<'_>,
     path: &Path,
@@ -27,7 +27,7 @@ pub(crate) fn largest_change(
     let without = comparison::traces(&context.problem(&model)?, &at, None)?;
     let with = comparison::traces(&context.problem(&path.last.model)?, &path.last.at, None)?;
     let each = path.last.model.outputs().enumerate().filter_map(|(output, channel)| {
-        // A change as large as the signal means that the simulation without the term is another motion; larger shares mean no more.
+        // A change as large as the signal means a different motion; larger shares mean no more, so the share is limited to 1.
         let share = (difference(&with, &without, output) / standard_deviation(&with, output)).min(1.0);
         share.is_finite().then(|| LargestChange { channel: channel.name.clone(), share })
     });

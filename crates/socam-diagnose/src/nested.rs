@@ -7,7 +7,7 @@ use socam_model::{
 
 use crate::{candidate::Candidate, selection::Path};
 
-/// Refined laws that contain a candidate's law, the simplest first, each from several values of its further parameters.
+/// Refined laws that contain a candidate's law, the simplest first, each with several start values of its additional parameters.
 pub(crate) fn refined_laws(candidate: &Candidate, model: &Model) -> Vec<Vec<Candidate>> {
     let laws = REFINED.iter().map(|effect| {
         let values = effect.given().map(|own| (own.name, candidate.value(own.name))).collect();
@@ -16,8 +16,8 @@ pub(crate) fn refined_laws(candidate: &Candidate, model: &Model) -> Vec<Vec<Cand
     laws.filter(|starts| !starts.is_empty()).collect()
 }
 
-/// Starts of laws that contain a term's law, from the term's fitted values. Refined laws are among them as far as their further parameters
-/// are known.
+/// Starts of laws that contain a term's law, from the term's fitted values. Refined laws are included if their additional parameters are
+/// known.
 pub(crate) fn richer_laws(path: &Path, term: usize) -> Vec<Candidate> {
     let own = &path.terms[term].candidate;
     let fitted = path.fitted_parameters(term);

@@ -30,7 +30,7 @@ pub(crate) fn floor(
     recorded: &[&Traces],
     sample_time_s: f64,
 ) -> Vec<f64> {
-    // Where the model cannot be simulated, the outputs' own noise alone.
+    // If the model cannot be simulated, the floor is the outputs' own noise.
     let own = levels.outputs.clone();
     // Nonlinear laws depend on the motion, which a simulation of input errors alone does not have.
     let mut linear = model.clone();
@@ -147,7 +147,7 @@ mod tests {
         );
         let noisy = error(0.3, &mut random);
         assert!(mean(&noisy[100..1900]).abs() < 0.03);
-        // A step much larger than the noise is no converter's.
+        // A step much larger than the noise is not that of a converter.
         assert!(error(0.0, &mut random).iter().all(|value| *value == 0.0));
     }
 }

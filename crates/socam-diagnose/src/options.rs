@@ -18,7 +18,7 @@ pub struct Options {
     /// State from which the simulation of each recording starts.
     pub start_state: StartState,
     /// Receives progress and can cancel the diagnosis.
-    pub watch: ProgressMonitor,
+    pub progress: ProgressMonitor,
 }
 
 impl Default for Options {
@@ -30,7 +30,7 @@ impl Default for Options {
             starts: 6,
             seed: 1,
             start_state: StartState::Free,
-            watch: ProgressMonitor::default(),
+            progress: ProgressMonitor::default(),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use socam_model::{
     Model,
-    effects::{Kind, Prior, Rig},
+    effects::{Prior, QuantityKind, Rig},
 };
 
 use crate::context::FittedModel;
@@ -43,7 +43,8 @@ impl PriorKnowledge {
             let priors = (used.effect.priors)(&self.rig, &used.place);
             let each = priors.iter().filter_map(|(name, prior)| {
                 let own = used.effect.parameters.iter().find(|own| own.name == *name)?;
-                let chosen = if own.kind == Kind::Frequency { self.lines(prior).max(1.0).ln() } else { 0.0 };
+                let chosen =
+                    if own.kind == QuantityKind::Frequency { self.lines(prior).max(1.0).ln() } else { 0.0 };
                 Some(prior.plausibility(value(name)?) - chosen)
             });
             each.sum::<f64>()

@@ -1,4 +1,4 @@
-//! Preprocessing of recordings: outputs of disconnected sensors and outliers beside the base model are masked.
+//! Preprocessing of recordings: outputs of disconnected sensors and outliers from the base model's prediction are masked.
 
 use socam_identify::{IdentifyError, LeftOut, NoiseLevels, Options, Problem, outliers};
 use socam_model::{self as model, Model};
@@ -7,8 +7,8 @@ use socam_recording::{
     check::{Held, HeldAt, held},
 };
 
-/// The recordings with outliers masked, and a list of these. Outliers are found beside the prediction of `model` at `values` (SI). A
-/// recording without outliers is unchanged.
+/// The recordings with outliers masked, and a list of these. Outliers are found by the residuals of `model` at `values` (SI). A recording
+/// without outliers is unchanged.
 pub(crate) fn preprocessed(
     model: &Model,
     datasets: &[Dataset],

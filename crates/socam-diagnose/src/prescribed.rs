@@ -2,8 +2,8 @@
 //! its residuals are far above the noise.
 //!
 //! In a free run the deviance has minima far from the truth. The torque that the measured motion needs is nearly linear in all parameters,
-//! base parameters included, so that each candidate's regression leads to one set of values. The candidates that leave the least torque are
-//! then fitted to whole recordings from there, and compete as any others do.
+//! base parameters included, so that each candidate's regression gives one set of values. The candidates with the least residual torque are
+//! fitted to whole recordings from these values, and compete like any others.
 
 use rayon::prelude::*;
 use socam_identify::{IdentifyError, PrescribedMotion, TorqueFit};
@@ -20,7 +20,7 @@ use crate::{
 
 /// Number of candidates that are fitted to whole recordings.
 const FINALISTS: usize = 6;
-/// Rounds of such a fit: iterations, and the largest multiple of the last model's deviance that it may have after them.
+/// Rounds of such a fit: `(iterations, multiple)` of `descend_in_rounds`, relative to the last model's deviance.
 const ROUNDS: [(usize, f64); 2] = [(10, 10.0), (20, 1.0)];
 
 /// A candidate at the values of its regression.
@@ -32,8 +32,8 @@ struct Regressed {
 }
 
 impl Path {
-    /// The first effect that regression of the torque shows, fitted to whole recordings; `None` where the base model is near the data or has
-    /// more coordinates, or where no effect brings it near.
+    /// The first effect found by regression of the torque, fitted to whole recordings. `None` if the base model is near the data or has
+    /// more coordinates, or if no effect brings it near.
     pub(crate) fn by_prescribed_motion(&self, context: &Context<'_>) -> Result<Option<Self>, IdentifyError> {
         if self.noise.excess() < FAR_BEYOND_NOISE {
             return Ok(None);
@@ -55,13 +55,13 @@ impl Path {
         let tried: Vec<_> = regressed.into_iter().map(|one| (one.candidate, one.p_value)).collect();
         let Some(choice) = choice::among(context, &path, &tried, &finalists)? else { return Ok(None) };
         path.add(context, choice)?;
-        // As much less than before as is far: further effects are then found in free runs.
+        // An excess smaller by this factor counts as near: further effects are then found in free runs.
         let near = FAR_BEYOND_NOISE.max(self.noise.excess() / FAR_BEYOND_NOISE);
         let is_near = |path: &Self| path.noise.excess() < near;
         Ok(Some(path).filter(|path| !path.terms.is_empty() && is_near(path)))
     }
 
-    /// The tested candidates that leave the least torque, the best first, each effect and place once.
+    /// The tested candidates with the least residual torque, the best first, each effect and place once.
     fn regressed(&self, motion: &PrescribedMotion) -> Vec<Regressed> {
         let base = &self.base.model;
         let Some(alone) = motion.fit(base, &base.values()) else { return Vec::new() };

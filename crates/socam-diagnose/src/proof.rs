@@ -16,9 +16,9 @@ use crate::{
 };
 
 /// Rise of a channel's root mean square residual on held-out recordings, as a share of the base model's, above which the proof fails, 1.
-const CONTRADICTION: f64 = 0.05;
+const REFUTING_RISE: f64 = 0.05;
 
-/// What came of the held-out recordings.
+/// Outcome on the held-out recordings.
 pub(crate) enum Outcome {
     /// No recording is held out.
     NothingHeldOut,
@@ -58,8 +58,7 @@ pub(crate) struct Proof {
 }
 
 impl Proof {
-    /// Opens the held-out recordings and predicts them by the models of the final choice. Whatever is wrong with these recordings costs the
-    /// proof alone.
+    /// Opens the held-out recordings and predicts them by the models of the final choice. An unusable recording prevents only the proof.
     ///
     /// # Errors
     /// [`IdentifyError::Cancelled`].
@@ -90,7 +89,7 @@ impl Proof {
         recordings: &[Dataset],
     ) -> Result<Option<Self>, IdentifyError> {
         let (recordings, notes) = connected(&path.base.model, recordings)?;
-        // One mask serves both models: outliers are those beside the prediction of the corrected model.
+        // One mask serves both models: outliers are found by the residuals of the corrected model.
         let whole = path.whole();
         let levels = path.levels(context)?;
         let (recordings, outliers) =
@@ -124,7 +123,7 @@ impl Proof {
         let each = model.outputs().enumerate().map(|(output, channel)| {
             (channel.name.as_str(), self.base.rms[output], self.corrected.rms[output])
         });
-        each.filter(|(_, before, after)| *after > (1.0 + CONTRADICTION) * before).collect()
+        each.filter(|(_, before, after)| *after > (1.0 + REFUTING_RISE) * before).collect()
     }
 
     /// Whether the corrected model's sum of squares over all channels is below the base model's.

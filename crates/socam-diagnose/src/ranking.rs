@@ -1,4 +1,4 @@
-//! Effects ranked by the score test at fixed parameter values: what explains a change of a bench whose model is known.
+//! Ranks effects by the score test at fixed parameter values, to explain a change of a bench whose model is known.
 //!
 //! A diagnosis tests an effect against models whose base parameters are fitted anew. Here the base parameters keep their values, and a
 //! change of each free one competes with the effects of the catalogue.
@@ -36,6 +36,10 @@ pub struct RankedEffect {
 
 /// Ranks all effects of the catalogue and all free parameters of `model` on `datasets`, the largest gain first. Each effect and place is
 /// listed once, at its best grid point. `at` is the model evaluated on `datasets` under `noise_model`, by [`comparison::measure`].
+///
+/// # Method
+/// The score test: a quadratic form of the efficient scores by block, with family-wise p-values from a wild bootstrap (V. Chernozhukov,
+/// D. Chetverikov, K. Kato, Ann. Stat. 41, 2013) over all effects and parameters together.
 ///
 /// # Errors
 /// When a recording cannot be read.

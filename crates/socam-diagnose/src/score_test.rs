@@ -32,7 +32,7 @@ const BATCH: usize = 10;
 const SENSOR_BATCH: usize = 18;
 /// Draws of the bootstrap. Its smallest p-value is one over this number plus one.
 const DRAWS: usize = 1999;
-/// Draws where a p-value is compared with those of many recordings, and the first draws have no larger statistic.
+/// Draws for a p-value that is compared with those of many recordings, if none of the first draws has a larger statistic.
 const MORE_DRAWS: usize = 39_999;
 /// Largest ratio of the noise power in the direction in which a candidate acts to that of the noise model, 1.
 const INFLATION: f64 = 8.0;
@@ -88,7 +88,7 @@ pub(crate) fn run(
         if first.iter().any(|ranked| ranked.score.gain > 0.0) {
             return on_all();
         }
-        // It is no start for a fit either.
+        // Such a candidate is not a start for a fit either.
         Ok(first.into_iter().map(|ranked| RankedCandidate { possible: false, ..ranked }).collect())
     });
     let found: Result<Vec<Vec<RankedCandidate>>, IdentifyError> = each.collect();
@@ -104,7 +104,7 @@ fn set_p_values(all: &mut [RankedCandidate]) {
     all.iter_mut().zip(p_values).for_each(|(one, p_value)| one.p_value = p_value);
 }
 
-/// Smallest p-value of all candidates whose amplitude is possible, as finely as many recordings need.
+/// Smallest p-value of all candidates with a possible amplitude, by [`MORE_DRAWS`] if [`DRAWS`] do not resolve it.
 pub(crate) fn least_p_value(all: &[RankedCandidate]) -> f64 {
     let least = |p_values: &mut dyn Iterator<Item = f64>| p_values.fold(1.0, f64::min);
     let first = least(&mut all.iter().filter(|one| one.possible).map(|one| one.p_value));

@@ -1,8 +1,8 @@
 //! Screening of one recording: whether a diagnosis would find anything, from the fit and the score test alone.
 //!
 //! The noise levels are [`Frozen`]: known from healthy recordings. The free parameters are fitted to the recording from the frozen values
-//! in one descent, because sound machines of one kind differ in them. Two tests follow. The score test says whether any candidate of the
-//! catalogue is missing. The power test says whether the whitened residuals are larger than the frozen noise allows. A search for the
+//! in one descent, because sound machines of one kind differ in them. Two tests follow. The score test decides whether any candidate of the
+//! catalogue is missing. The power test decides whether the whitened residuals are larger than the frozen noise allows. A search for the
 //! missing physics is left to [`diagnose`](fn@crate::diagnose).
 
 use serde::{Deserialize, Serialize};
@@ -27,7 +27,7 @@ use crate::{
     score_test::{self, RankedCandidate},
 };
 
-/// Length of a block of residuals whose mean squares are taken as independent, s. That of the score test.
+/// Length of a block of residuals, s; mean squares of blocks are taken as independent. The score test has the same blocks.
 const BLOCK_S: f64 = 0.2;
 /// Least number of blocks for the power test.
 const FEW_BLOCKS: usize = 8;
@@ -46,7 +46,7 @@ pub struct Frozen {
 }
 
 impl Frozen {
-    /// Of one recording.
+    /// Fits one recording.
     ///
     /// # Errors
     /// [`DiagnoseError`], as of [`diagnose`](fn@crate::diagnose).
@@ -71,7 +71,7 @@ impl Frozen {
         })
     }
 
-    /// The median of several, number by number, which one unhealthy recording moves little. `None` if there are none.
+    /// The median of each number over several recordings; one unhealthy recording changes it little. `None` if there are none.
     #[must_use]
     pub fn median(all: &[Self]) -> Option<Self> {
         let first = all.first()?;
@@ -129,22 +129,27 @@ pub struct Suspect {
 /// What a screening found.
 #[derive(Debug, Clone)]
 pub struct Screening {
-    /// Chance that a recording of a complete model stands out as much, in either test.
+    /// p-value of both tests together: probability of such a result in either test if the model is complete.
     pub p_value: f64,
     /// Mean square of the whitened residuals in units of the frozen noise.
     pub excess: f64,
     /// The fitted parameters with intervals.
     pub fit: Identification,
-    /// Effects at places, the largest gain first, each once.
+    /// Effects at places, the largest gain first; each effect and place occurs once.
     pub suspects: Vec<Suspect>,
     /// What was left out of the recording.
     pub notes: Vec<String>,
 }
 
-/// Screens a recording.
+/// Screens a recording by a model and frozen values of healthy recordings (SI).
+///
+/// # Method
+/// One descent under the frozen noise, then two tests: the smallest family-wise p-value of the score test over all candidates, and a
+/// one-sided t-test of the mean square of the whitened residuals over blocks of 0.2 s. The smaller p-value is doubled (Bonferroni).
 ///
 /// # Errors
-/// [`DiagnoseError`], as of [`diagnose`](fn@crate::diagnose); [`DiagnoseError::Diverged`] where the model cannot follow the recording from the frozen values.
+/// The errors of [`diagnose`](fn@crate::diagnose); [`DiagnoseError::Diverged`] if the model cannot follow the recording from the frozen
+/// values.
 pub fn screen(
     model: &Model,
     recording: &Dataset,
@@ -190,7 +195,7 @@ fn fit_options(options: &Options) -> FitOptions {
         starts: 1,
         seed: options.seed,
         start_state: options.start_state,
-        watch: options.watch.clone(),
+        progress: options.progress.clone(),
         most_steps: Some(MOST_STEPS),
         ..FitOptions::default()
     }
@@ -214,8 +219,8 @@ fn fitted(
     Ok((at.ok_or_else(|| DiagnoseError::Diverged { model: model.name.clone() })?, noise))
 }
 
-/// Mean square of the whitened residuals, and the chance that it lies as far above what a complete model may leave. The spread between
-/// blocks of the recording is the scale, so that coloured residuals and heavy tails do not count as power.
+/// Mean square of the whitened residuals, and its p-value if the model is complete (one-sided t-test of the blocks' mean). The scatter
+/// between blocks is the scale, so that coloured residuals and heavy tails do not count as power.
 fn power(
     problem: &Problem<'_>,
     sensors: &NoiseModel,

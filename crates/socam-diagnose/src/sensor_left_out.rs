@@ -1,5 +1,5 @@
 //! Leave-one-sensor-out fits. A gross sensor fault displaces every parameter, so that no candidate is significant. A fit without that
-//! sensor is not displaced, and from there the sensor's own fault is.
+//! sensor is not displaced, and at that fit the sensor's own fault is significant.
 
 use rayon::prelude::*;
 use socam_identify::{
@@ -35,8 +35,8 @@ const DELAYS_S: (f64, f64) = (1e-3, 5e-2);
 const DELAY_POINTS: i32 = 24;
 
 impl Path {
-    /// Fits of each sensor's faults, from the fit to all other sensors. Empty where `left` is below [`GROSS`]: the least mean square of the
-    /// whitened training residuals of all candidates so far, in units of sensor noise.
+    /// Fits of each sensor's faults, from the fit to all other sensors. `left` is the least mean square of the whitened training residuals
+    /// of all candidates so far, in units of sensor noise; the result is empty if `left` is below [`GROSS`].
     pub(crate) fn without_each_sensor(
         &self,
         context: &Context<'_>,
@@ -112,7 +112,7 @@ impl Path {
     }
 }
 
-/// Readings of a sensor whose delay or lag is this many samples, from the signal.
+/// Computes the readings of a sensor from the signal, for a delay or lag of this many samples.
 type SensorResponse = fn(&[f64], f64) -> Vec<f64>;
 
 /// Delay or lag of the grid at which the response to the predicted output is nearest to the measured one, s.

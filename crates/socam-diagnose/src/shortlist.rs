@@ -36,8 +36,8 @@ impl Path {
         begun.chain(self.large_starts(false_alarm_rate)).collect()
     }
 
-    /// Starts at usual amplitudes of the candidates with the largest gains, significant or not. Far from the data a small amplitude leads
-    /// nowhere and scores say little. Empty where the model is near the data.
+    /// Starts at usual amplitudes of the candidates with the largest gains, significant or not: far from the data, fits from a small
+    /// amplitude fail and scores are unreliable. Empty if the model is near the data.
     pub(crate) fn far_starts(&self) -> Vec<(Candidate, f64)> {
         // Added effects have brought the base parameters nearer to the truth.
         let displaced = if self.terms.is_empty() { DISPLACED } else { FAR_BEYOND_NOISE };

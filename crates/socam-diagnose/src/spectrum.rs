@@ -11,7 +11,7 @@ const LONGEST: usize = 16_384;
 const SHORTEST: usize = 64;
 /// Spectral lines on either side with which one is compared.
 const NEAR: usize = 40;
-/// Chance that noise alone makes a line that counts.
+/// p-value below which a spectral line counts as significant.
 const NO_CHANCE: f64 = 1e-9;
 /// Relative difference of line spacings up to which series share a frequency grid.
 const SAME_GRID: f64 = 1e-6;
@@ -72,7 +72,7 @@ impl Lines {
         let relative = |k: usize| {
             let mut near = power[k.saturating_sub(NEAR)..(k + NEAR).min(power.len())].to_vec();
             near.sort_by(f64::total_cmp);
-            // A line's power of white noise is exponentially distributed: its mean is the median over ln 2.
+            // The power of a line of white noise is exponentially distributed: its mean is its median over ln 2.
             let mean = near[near.len() / 2] / std::f64::consts::LN_2;
             power[k] / mean.max(f64::MIN_POSITIVE)
         };

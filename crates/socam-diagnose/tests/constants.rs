@@ -1,8 +1,8 @@
-//! The table of constants that decide, in docs/diagnosis.md, against the code.
+//! Compares the table of decisive constants in docs/diagnosis.md with the code.
 
 use std::path::Path;
 
-/// Most constants that decide.
+/// Largest number of decisive constants.
 const MOST: usize = 12;
 
 #[test]

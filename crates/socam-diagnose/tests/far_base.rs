@@ -1,5 +1,5 @@
-//! A pendulum whose model knows nothing of gravity: a free run misses by turns, where gravity holds the arm near the bottom.
-//! Its inertia is known, or starts at three times the truth.
+//! A pendulum whose model lacks gravity: a free run of the model makes whole turns, but gravity holds the real arm near the bottom. The
+//! inertia is known, or starts at three times the true value.
 
 use socam_diagnose::{HeldOut, Options, diagnose};
 use socam_model::Model;

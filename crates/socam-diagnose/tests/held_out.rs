@@ -1,4 +1,4 @@
-//! Held-out recordings: they are opened after the last choice, once, and what is wrong with them costs the proof alone.
+//! Held-out recordings: they are opened once, after the last choice, and an unusable recording prevents only the proof.
 
 use std::error::Error;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ fn bench() -> Result<(Model, [Dataset; 4]), Box<dyn Error>> {
     Ok(include!("doc/axis.rs"))
 }
 
-/// Notes when the last part of a diagnosis begins, which follows the last choice.
+/// Records when the last part of a diagnosis begins, which follows the last choice.
 #[derive(Default)]
 struct Follower {
     has_chosen: AtomicBool,
@@ -51,7 +51,7 @@ fn held_out_data_are_read_only_after_the_last_choice() {
         count.fetch_add(1, Ordering::Relaxed);
         Ok::<_, DiagnoseError>(d)
     });
-    let options = Options { watch: ProgressMonitor::by(follower.clone()), ..options() };
+    let options = Options { progress: ProgressMonitor::by(follower.clone()), ..options() };
     let answer = diagnose(&model, &[a, b, c], held_out, &options).unwrap().diagnosis;
     assert_eq!((early.into_inner(), late.into_inner()), (0, 1));
     assert_eq!(answer.validation, Validation::Holdout);

@@ -6,7 +6,7 @@ use crate::{Provenance, formula::Formula, names::Names};
 
 mod coordinates;
 
-pub(crate) use coordinates::{Coordinate, Kind, Lever};
+pub(crate) use coordinates::{Coordinate, CoordinateMotion, Lever};
 
 /// A parameter with its value and interval.
 pub(crate) struct Parameter {

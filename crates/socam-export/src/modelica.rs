@@ -12,7 +12,7 @@ use socam_model::{Quantity, effects::Acts};
 
 use crate::{
     Exported, Target,
-    description::{Description, Kind},
+    description::{CoordinateMotion, Description},
     error::ExportError,
     formula::{Formula, MODELICA},
     header,
@@ -85,10 +85,10 @@ pub(crate) fn write(d: &mut Description<'_>) -> Result<Exported, ExportError> {
     text.push_str("  initial equation\n");
     for coordinate in &d.coordinates {
         let point = &d.points[coordinate.node];
-        if coordinate.kind != Kind::Static {
+        if coordinate.kind != CoordinateMotion::Static {
             let _ = writeln!(text, "    {} = 0;", point.angle);
         }
-        if coordinate.kind == Kind::Massive {
+        if coordinate.kind == CoordinateMotion::Massive {
             let _ = writeln!(text, "    {} = 0;", point.speed);
         }
     }

@@ -9,7 +9,7 @@ mod wiring;
 
 use crate::{
     Exported, LeftOut, Target,
-    description::{Description, Kind},
+    description::{CoordinateMotion, Description},
     error::ExportError,
     header,
     shape::Shape,
@@ -135,7 +135,7 @@ fn body(
 
 /// Whether a coordinate is driven by a prescribed speed.
 pub(crate) fn is_prescribed(d: &Description<'_>, coordinate: usize) -> bool {
-    d.coordinates[coordinate].kind == Kind::Prescribed
+    d.coordinates[coordinate].kind == CoordinateMotion::Prescribed
 }
 
 /// Shape of each effect, `None` where MuJoCo has no element for it.

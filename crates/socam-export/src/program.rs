@@ -9,7 +9,7 @@ mod effects;
 mod seen;
 
 use crate::{
-    description::{Description, Kind},
+    description::{CoordinateMotion, Description},
     error::ExportError,
     formula::{Dialect, Formula},
 };
@@ -87,6 +87,6 @@ pub(crate) fn written(lines: &[Line], dialect: &Dialect, before: &str, comment: 
 }
 
 /// Whether a coordinate's angle is a state.
-pub(crate) fn has_angle_state(kind: Kind) -> bool {
-    kind != Kind::Static
+pub(crate) fn has_angle_state(kind: CoordinateMotion) -> bool {
+    kind != CoordinateMotion::Static
 }

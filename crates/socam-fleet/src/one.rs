@@ -149,7 +149,7 @@ fn run(
 
 /// Refuses a recording that the check calls unfit; reservations are warnings.
 fn checked(data: &Dataset, model: &Model, options: &FleetOptions, row: &mut Row) -> Result<(), End> {
-    let expected = socam_expectation::of_model(model, options.ratio_tolerance);
+    let expected = socam_requirements::of_model(model, options.ratio_tolerance);
     let found = check(data, &expected).map_err(|error| End::new(Status::Unreadable, error))?;
     let of = |severity| found.findings.iter().filter(move |finding| finding.severity() == severity);
     row.warnings.extend(of(Severity::Weakens).map(|finding| finding.sentence()));

@@ -6,7 +6,7 @@ use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
 use socam_model::Model;
 
-use crate::variables::{Kind, Variable, can_exchange};
+use crate::variables::{Variable, VariableRole, can_exchange};
 
 /// Name of the shared library without its extension.
 pub(crate) const MODEL_IDENTIFIER: &str = "socam_fmu";
@@ -64,12 +64,12 @@ pub(crate) fn describe(model: &Model, variables: &[Variable]) -> io::Result<Vec<
 fn variable(writer: &mut Writer<Vec<u8>>, variables: &[Variable], reference: usize) -> io::Result<()> {
     let variable = &variables[reference];
     let (causality, variability, initial) = match variable.kind {
-        Kind::Time => ("independent", "continuous", None),
-        Kind::Input(_) => ("input", "continuous", None),
-        Kind::Output(_) => ("output", "continuous", Some("calculated")),
-        Kind::Parameter(_) => ("parameter", "tunable", Some("exact")),
-        Kind::State(_) => ("local", "continuous", Some("exact")),
-        Kind::Derivative(_) => ("local", "continuous", Some("calculated")),
+        VariableRole::Time => ("independent", "continuous", None),
+        VariableRole::Input(_) => ("input", "continuous", None),
+        VariableRole::Output(_) => ("output", "continuous", Some("calculated")),
+        VariableRole::Parameter(_) => ("parameter", "tunable", Some("exact")),
+        VariableRole::State(_) => ("local", "continuous", Some("exact")),
+        VariableRole::Derivative(_) => ("local", "continuous", Some("calculated")),
     };
     let mut attributes = vec![
         ("name", variable.name.clone()),
@@ -79,8 +79,8 @@ fn variable(writer: &mut Writer<Vec<u8>>, variables: &[Variable], reference: usi
     ];
     attributes.extend(initial.map(|initial| ("initial", initial.into())));
     attributes.extend(variable.start.map(|start| ("start", start.to_string())));
-    if let Kind::Derivative(index) = variable.kind {
-        let state = variables.iter().position(|other| other.kind == Kind::State(index));
+    if let VariableRole::Derivative(index) = variable.kind {
+        let state = variables.iter().position(|other| other.kind == VariableRole::State(index));
         attributes.extend(state.map(|state| ("derivative", state.to_string())));
     }
     let (least, greatest) = variable.bounds;
@@ -102,8 +102,8 @@ fn variable(writer: &mut Writer<Vec<u8>>, variables: &[Variable], reference: usi
 /// Writes the model structure. Each output and derivative depends on all variables, which is what a list without dependencies
 /// means.
 fn structure(writer: &mut Writer<Vec<u8>>, variables: &[Variable]) -> io::Result<()> {
-    let is_output = |variable: &Variable| matches!(variable.kind, Kind::Output(_));
-    let is_derivative = |variable: &Variable| matches!(variable.kind, Kind::Derivative(_));
+    let is_output = |variable: &Variable| matches!(variable.kind, VariableRole::Output(_));
+    let is_derivative = |variable: &Variable| matches!(variable.kind, VariableRole::Derivative(_));
     for (reference, _) in variables.iter().enumerate().filter(|(_, v)| is_output(v)) {
         unknown(writer, "Output", reference)?;
     }

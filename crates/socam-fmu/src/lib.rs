@@ -18,4 +18,4 @@ mod variables;
 pub use error::FmuError;
 pub use package::{fmu, library};
 pub use simulation::{Simulation, Snapshot};
-pub use variables::{Kind, Variable, variables};
+pub use variables::{Variable, VariableRole, variables};

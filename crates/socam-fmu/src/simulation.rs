@@ -4,7 +4,7 @@ use socam_identify::{Intersample, Predictor, Start};
 use socam_model::{Equations, Model, Quantity};
 
 use crate::FmuError;
-use crate::variables::{self, Kind, Variable, variables};
+use crate::variables::{self, Variable, VariableRole, variables};
 
 /// Longest sample of the predictor, s. Laws are followed within a sample down to a thousandth of it; without laws a step is exact at any
 /// length.
@@ -146,13 +146,13 @@ impl Simulation {
             return Err(FmuError::Argument(problem));
         }
         match variable.kind {
-            Kind::Input(index) => self.now.inputs[index] = value,
-            Kind::State(index) => self.now.state[index] = value,
-            Kind::Parameter(index) => {
+            VariableRole::Input(index) => self.now.inputs[index] = value,
+            VariableRole::State(index) => self.now.state[index] = value,
+            VariableRole::Parameter(index) => {
                 self.now.values[index] = value;
                 self.forget();
             }
-            Kind::Time | Kind::Output(_) | Kind::Derivative(_) => {
+            VariableRole::Time | VariableRole::Output(_) | VariableRole::Derivative(_) => {
                 return Err(FmuError::Argument(format!("{name} is computed and cannot be set")));
             }
         }
@@ -164,21 +164,21 @@ impl Simulation {
     /// # Errors
     /// [`FmuError::Argument`] where there is no such variable, [`FmuError::Simulation`] where outputs cannot be computed.
     pub fn get(&mut self, references: &[usize]) -> Result<Vec<f64>, FmuError> {
-        let kinds: Result<Vec<Kind>, _> =
+        let kinds: Result<Vec<VariableRole>, _> =
             references.iter().map(|r| self.variable(*r).map(|variable| variable.kind)).collect();
         let kinds = kinds?;
-        let needs_outputs = kinds.iter().any(|kind| matches!(kind, Kind::Output(_)));
+        let needs_outputs = kinds.iter().any(|kind| matches!(kind, VariableRole::Output(_)));
         let outputs = if needs_outputs { self.outputs()? } else { Vec::new() };
-        let needs_rates = kinds.iter().any(|kind| matches!(kind, Kind::Derivative(_)));
+        let needs_rates = kinds.iter().any(|kind| matches!(kind, VariableRole::Derivative(_)));
         let rates = if needs_rates { self.derivatives()? } else { Vec::new() };
         let now = &self.now;
-        let value = |kind: &Kind| match *kind {
-            Kind::Time => now.time_s,
-            Kind::Input(index) => now.inputs[index],
-            Kind::Output(index) => outputs[index],
-            Kind::Parameter(index) => now.values[index],
-            Kind::State(index) => now.state[index],
-            Kind::Derivative(index) => rates[index],
+        let value = |kind: &VariableRole| match *kind {
+            VariableRole::Time => now.time_s,
+            VariableRole::Input(index) => now.inputs[index],
+            VariableRole::Output(index) => outputs[index],
+            VariableRole::Parameter(index) => now.values[index],
+            VariableRole::State(index) => now.state[index],
+            VariableRole::Derivative(index) => rates[index],
         };
         Ok(kinds.iter().map(value).collect())
     }

@@ -8,7 +8,7 @@ use crate::FmuError;
 
 /// Meaning of a variable in the model, with its index there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum VariableRole {
     /// Time, s.
     Time,
     /// An input of the model, by its index in the equations.
@@ -29,7 +29,7 @@ pub struct Variable {
     /// Name by the structured naming convention of FMI, unique.
     pub name: String,
     /// Meaning of the variable in the model.
-    pub kind: Kind,
+    pub kind: VariableRole,
     /// SI unit; empty where the file gives none.
     pub unit: String,
     /// One line.
@@ -58,7 +58,7 @@ const UNBOUNDED: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 pub fn variables(model: &Model, equations: &Equations) -> Result<Vec<Variable>, FmuError> {
     let time = Variable {
         name: "time".into(),
-        kind: Kind::Time,
+        kind: VariableRole::Time,
         unit: "s".into(),
         description: "simulated time".into(),
         start: None,
@@ -70,13 +70,15 @@ pub fn variables(model: &Model, equations: &Equations) -> Result<Vec<Variable>, 
             Quantity::Change => return Err(changes(channel)),
             Quantity::Turned if tachometer(model, channel).is_none() => return Err(turns(channel)),
             Quantity::Turned | Quantity::Time => {}
-            _ => all.push(of_channel(channel, Kind::Input(index), Some(0.0))),
+            _ => all.push(of_channel(channel, VariableRole::Input(index), Some(0.0))),
         }
     }
-    all.extend(model.outputs().enumerate().map(|(index, c)| of_channel(c, Kind::Output(index), None)));
+    all.extend(
+        model.outputs().enumerate().map(|(index, c)| of_channel(c, VariableRole::Output(index), None)),
+    );
     all.extend(model.parameters.iter().enumerate().map(|(index, parameter)| Variable {
         name: format!("parameter.{}", identifier(&parameter.name)),
-        kind: Kind::Parameter(index),
+        kind: VariableRole::Parameter(index),
         unit: parameter.unit.clone(),
         description: parameter.source.clone(),
         start: Some(parameter.value),
@@ -84,7 +86,7 @@ pub fn variables(model: &Model, equations: &Equations) -> Result<Vec<Variable>, 
     }));
     all.extend(equations.state_names.iter().enumerate().map(|(index, name)| Variable {
         name: format!("state.{}", identifier(name)),
-        kind: Kind::State(index),
+        kind: VariableRole::State(index),
         unit: String::new(),
         description: format!("{name}, SI"),
         start: Some(0.0),
@@ -93,10 +95,10 @@ pub fn variables(model: &Model, equations: &Equations) -> Result<Vec<Variable>, 
     make_unique(&mut all);
     if can_exchange(model) {
         let states: Vec<Variable> =
-            all.iter().filter(|variable| matches!(variable.kind, Kind::State(_))).cloned().collect();
+            all.iter().filter(|variable| matches!(variable.kind, VariableRole::State(_))).cloned().collect();
         all.extend(states.into_iter().enumerate().map(|(index, state)| Variable {
             name: format!("der({})", state.name),
-            kind: Kind::Derivative(index),
+            kind: VariableRole::Derivative(index),
             description: format!("time derivative of {}", state.description),
             start: None,
             ..state
@@ -115,7 +117,7 @@ pub(crate) fn tachometer(model: &Model, turned: &Channel) -> Option<usize> {
     model.inputs().position(|c| c.quantity == Quantity::Speed && c.column == turned.column)
 }
 
-fn of_channel(channel: &Channel, kind: Kind, start: Option<f64>) -> Variable {
+fn of_channel(channel: &Channel, kind: VariableRole, start: Option<f64>) -> Variable {
     let quantity = format!("{:?}", channel.quantity).to_lowercase();
     let description = format!("{quantity} at {}; column {} of recordings", channel.at, channel.column);
     let (name, unit) = (identifier(&channel.name), channel.unit.into());

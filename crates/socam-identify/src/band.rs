@@ -134,7 +134,7 @@ pub fn evaluate_band(
     Ok(names.zip(sums.iter().map(Sums::fit)).collect())
 }
 
-/// A segment's outputs as measured, and as predicted without offsets.
+/// Outputs of a segment: measured, and predicted without offsets.
 type Outputs = (Vec<Vec<f64>>, Vec<Vec<f64>>);
 
 fn run(

@@ -37,6 +37,11 @@ pub(crate) const METHOD: &str = "inverse-dynamics";
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
+/// # Method
+/// IDIM-LS (A. Janot, M. Gautier, M. Brunot, Data Set and Reference Models of EMPS, 2019): the position is low-passed at 100 Hz with zero
+/// phase and differentiated twice, force and regressors are decimated to a bandwidth of 40 Hz, and ordinary least squares gives the
+/// parameters in SI.
+///
 /// # Assumes
 /// The model has one coordinate and is driven by a measured torque at the node whose angle is measured. The torque is linear in the
 /// free parameters. The position noise is so small that the filtered second difference is still the acceleration.
@@ -89,7 +94,7 @@ pub fn inverse_dynamics(model: &Model, datasets: &[Dataset]) -> Result<Identific
     Ok(regression.identification(model, &axis.free, datasets))
 }
 
-/// 100 norm(force error) / norm(force) of an inverse-dynamics model on a recording, %, as its authors report it.
+/// 100 norm(force error) / norm(force) of an inverse-dynamics model on a recording, %, as the authors of the method report it.
 ///
 /// ```
 /// use socam_identify::force_error_percent;

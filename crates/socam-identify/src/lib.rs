@@ -6,22 +6,24 @@
 //! * [`inverse_dynamics`](fn@inverse_dynamics) regresses the measured force of an axis with one coordinate on its motion.
 //! * Both return an [`Identification`]. A parameter that the data do not determine has no value there; the report says why, and what to
 //!   record.
-//! * [`evaluate`](fn@evaluate) gives the fit of a model without changing it, [`Predictor`] simulates it, [`comparison`] compares models under
-//!   one noise model, [`Information`] predicts intervals before anything is recorded.
+//! * [`evaluate`](fn@evaluate) gives the fit of a model without changing it, [`Predictor`] simulates it, [`comparison`] compares models
+//!   under one noise model, [`Information`] predicts intervals before anything is recorded.
 //!
 //! The modules are the stages of a fit: `preprocessing` (segments without gaps, masked and imputed samples), `noise` (levels, whitening
-//! filters, discrepancy), `prediction` (with sensitivities), `evaluation` (triangular factors by segment), `optimiser`, `uncertainty`, `report`.
+//! filters, discrepancy), `prediction` (with sensitivities), `evaluation` (triangular factors by segment), `optimiser`, `uncertainty` and
+//! `report`.
 //!
 //! # Numerics
 //!
-//! * A linear model is diagonalised (`prediction/modal`): a sample costs a few recursions, whatever the number of parameters. A model with force
-//!   laws, or with modes too close for that, is integrated (`prediction/integrator`): exactly in the linear part, error-controlled in the laws.
-//! * Residuals and sensitivities are folded, block by block, into a triangular factor (`optimiser/qr`): memory is one block, the condition number is
-//!   not squared, and nuisance parameters (start states, offsets) are eliminated segment by segment.
-//! * Noise of inputs colours the residuals: `noise/innovations_filter` whitens them, `noise/levels` estimates the levels, `noise/regressor_noise`
-//!   subtracts noise from the information.
-//! * `prediction/products`, `prediction/recursion` and `optimiser/householder` use vector lanes (pulp, dispatched at run time, in safe code).
-//! * Rounding must not depend on the number of threads: faer is called by `matrix` alone, never by operators, which ask a setting of the process.
+//! * A linear model is diagonalised (`prediction/modal`): a sample costs a few recursions, whatever the number of parameters. A model with
+//!   force laws or nearly equal modes is integrated (`prediction/integrator`): exactly in the linear part, error-controlled in the laws.
+//! * Residuals and sensitivities are folded, block by block, into a triangular factor (`optimiser/qr`): memory is one block, the condition
+//!   number is not squared, and nuisance parameters (start states, offsets) are eliminated segment by segment.
+//! * Noise of inputs colours the residuals: `noise/innovations_filter` whitens them, `noise/levels` estimates the levels, and
+//!   `noise/regressor_noise` subtracts noise from the information.
+//! * `prediction/products`, `prediction/recursion` and `optimiser/householder` use SIMD lanes (pulp, dispatched at run time, in safe code).
+//! * Rounding must not depend on the number of threads: only `matrix` calls faer, and never its operators, which take their number of
+//!   threads from a setting of the process.
 //!
 //! ```
 //! use socam_identify::{Options, Predictor, Problem, Start, output_error};

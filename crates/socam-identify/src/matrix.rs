@@ -1,7 +1,7 @@
 //! Products and decompositions of matrices, on one thread.
 //!
-//! faer's operators and methods ask a setting of the whole process how many threads they take, and their rounding depends on that number.
-//! These functions are the same calculations, always on one.
+//! faer's operators and methods take their number of threads from a setting of the whole process, and their rounding depends on that
+//! number. The functions here do the same calculations, always on one thread.
 
 use faer::{
     Accum, ColRef, Conj, Mat, Par,

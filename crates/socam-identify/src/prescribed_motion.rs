@@ -1,9 +1,8 @@
-//! Motion prescribed, torque predicted: values near which a fit of an axis with one coordinate may begin.
+//! Prescribed motion and predicted torque: start values for a fit of an axis with one coordinate.
 //!
 //! The torque that a measured motion needs is compared with the measured torque, as in [`inverse_dynamics`](fn@crate::inverse_dynamics)
-//! (IDIM-LS of M. Gautier). Nothing is integrated, so that a model which misses by turns in a free run still leads to its parameters: in
-//! inertias, dampings and amplitudes of force laws the torque is linear. Laws of other parameters are fitted by the Levenberg-Marquardt
-//! method.
+//! (IDIM-LS of M. Gautier). Nothing is integrated, so that parameters are found even if a free run of the model is whole turns away. The
+//! torque is linear in inertias, dampings and amplitudes of force laws. Other parameters are fitted by the Levenberg-Marquardt method.
 
 use nalgebra::{DMatrix, DVector};
 use socam_model::{ChannelTransform, Equations, Model, Quantity, effects::ActsAt};
@@ -61,8 +60,8 @@ pub struct TorqueFit {
 }
 
 impl PrescribedMotion {
-    /// Reads the motion of all recordings. `None` where the model has more than one coordinate, or is not driven by a measured torque, or has
-    /// no measured angle, and where no recording is long enough.
+    /// Reads the motion of all recordings. `None` if the model has more than one coordinate, is not driven by a measured torque or has no
+    /// measured angle, or if no recording is long enough.
     ///
     /// ```
     /// use socam_identify::PrescribedMotion;
@@ -130,7 +129,7 @@ impl PrescribedMotion {
     }
 
     /// Fits the free parameters of a model, from `start` (all parameters, SI), to the measured torque. The model is that of
-    /// [`PrescribedMotion::read`], or one that further effects extend. `None` where it is no axis with one coordinate any more, and where the
+    /// [`PrescribedMotion::read`], or that model extended by effects. `None` if it is no longer an axis with one coordinate, or if the
     /// torque is not finite at the start.
     ///
     /// # Breaks when

@@ -67,13 +67,13 @@ pub struct Options {
     pub seed: u64,
     /// Most iterations of one descent.
     pub max_iterations: usize,
-    /// Most attempts at a step per sample of a model with force laws, on average over a recording; a prediction that needs more counts as one that
-    /// overflows. For searches among many models: where teeth rattle, one prediction may take as long as a thousand others.
+    /// Most attempts at a step per sample of a model with force laws, on average over a recording; a prediction that needs more counts as
+    /// overflowing. For searches among many models: with rattling teeth, one prediction may take as long as a thousand others.
     pub most_steps: Option<usize>,
     /// Linear constraints on parameters.
     pub constraints: Vec<Constraint>,
     /// Receiver of progress, which may end the search.
-    pub watch: ProgressMonitor,
+    pub progress: ProgressMonitor,
 }
 
 impl Default for Options {
@@ -88,7 +88,7 @@ impl Default for Options {
             max_iterations: 150,
             most_steps: None,
             constraints: Vec::new(),
-            watch: ProgressMonitor::default(),
+            progress: ProgressMonitor::default(),
         }
     }
 }
@@ -131,7 +131,7 @@ impl<'a> Problem<'a> {
     /// ```
     ///
     /// # Errors
-    /// When a recording lacks a channel or is too short, when nothing is free, or when a file cannot be read.
+    /// When a recording lacks a channel or is too short, when no parameter is free, or when a file cannot be read.
     pub fn new(model: &'a Model, datasets: &'a [Dataset], options: Options) -> Result<Self, IdentifyError> {
         let free: Vec<usize> =
             (0..model.parameters.len()).filter(|index| !model.parameters[*index].fixed).collect();
@@ -220,7 +220,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// A problem of given segments. Nothing is searched or checked, and there is nothing to report of them.
+    /// A problem of given segments, which are neither searched nor checked.
     pub(crate) fn of_segments(
         (model, datasets): (&'a Model, &'a [Dataset]),
         free: Vec<usize>,

@@ -56,8 +56,8 @@ pub trait Observer: Send + Sync {
     /// Whether the search shall end at the best point so far; called before each step. Intervals are computed all the same.
     fn stop(&self) -> bool;
 
-    /// Called where a part of a work begins that consists of several fits: its name, and the share of the whole work that precedes it as
-    /// a rule, 0 to 1.
+    /// Called when a part of a work of several fits begins, with its name and the share of the whole work that is usually done by then, 0
+    /// to 1.
     fn part(&self, _name: &str, _done: f64) {}
 
     /// Whether the work shall end without a result, with [`IdentifyError::Cancelled`]; called before each evaluation of a segment.
@@ -85,7 +85,7 @@ pub trait Observer: Send + Sync {
 /// }
 /// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
 /// let counter = Arc::new(Counter::default());
-/// let options = Options { starts: 1, watch: ProgressMonitor::by(counter.clone()), ..Options::default() };
+/// let options = Options { starts: 1, progress: ProgressMonitor::by(counter.clone()), ..Options::default() };
 /// output_error(&Problem::new(&model, &recordings, options)?)?;
 /// assert!(counter.0.load(Ordering::Relaxed) > 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -113,7 +113,7 @@ impl ProgressMonitor {
         }
     }
 
-    /// An error once the work was cancelled.
+    /// Returns an error if the work was cancelled.
     pub(crate) fn proceed(&self) -> Result<(), IdentifyError> {
         match &self.0 {
             Some(observer) if observer.is_cancelled() => Err(IdentifyError::Cancelled),

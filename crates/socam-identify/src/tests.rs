@@ -20,7 +20,7 @@ use crate::{
 
 const STEP_S: f64 = 1e-3;
 
-/// A repeatable sequence in [-1, 1) that owes nothing to the library's generators.
+/// A repeatable sequence in [-1, 1), independent of the library's generators.
 struct Lcg(u64);
 
 impl Lcg {
@@ -52,8 +52,8 @@ fn motor_speed(t: f64) -> f64 {
 type Truth = [f64; 9];
 const TRUTH: Truth = [71.0, 54.4, 52485.0, 110.0, 0.02, 0.02, 0.08, 0.05, 0.0];
 
-/// The thesis' equations 3.7 written out by hand in deflections, integrated by implicit midpoint in 200 parts per
-/// sample: other equations, other numerics than the library's.
+/// The thesis' equations 3.7 written out by hand in deflections, integrated by implicit midpoint in 200 parts per sample: neither the
+/// equations nor the method are the library's.
 fn bench(truth: Truth, seconds: f64, noise: f64, seed: u64) -> Dataset {
     let [k1, k2, k3, k4, c2, c3, c4, c5, tc] = truth;
     let (n, j2, j4) = (8.0, 1.2875022e-4 + 4.7784172e-3 / 64.0, 1.4752e-2);

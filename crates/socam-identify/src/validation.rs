@@ -1,4 +1,4 @@
-//! A result beside recordings that were not fitted, and the whole as the JSON document.
+//! Validation of a result on recordings that were not fitted, and the JSON document of both.
 
 use serde::{Serialize, Serializer};
 use socam_model::Model;
@@ -18,7 +18,7 @@ pub struct Validation {
     pub fit: Fit,
     /// Error of the force in inverse dynamics, per cent of the norm of the force; `None` for other methods.
     pub force_error_percent: Option<f64>,
-    /// The fit within a band of frequencies, where one was asked for.
+    /// The fit within a band of frequencies, if one was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub band: Option<BandFits>,
 }

@@ -24,7 +24,7 @@ use crate::{TextLayout, tdms, text};
 
 /// A format that this crate reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum FileFormat {
     /// Lines of numbers: CSV and its relatives.
     Text,
     /// ASAM MDF 4 (`.mf4`).
@@ -43,7 +43,7 @@ pub enum Kind {
     Mcap,
 }
 
-impl Kind {
+impl FileFormat {
     /// The feature, of this crate and of `socam-host`, without which files of this format are not read; `None` if they always are.
     #[must_use]
     pub const fn feature(self) -> Option<&'static str> {
@@ -57,7 +57,7 @@ impl Kind {
     }
 }
 
-impl std::fmt::Display for Kind {
+impl std::fmt::Display for FileFormat {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Text => "text",
@@ -72,16 +72,16 @@ impl std::fmt::Display for Kind {
     }
 }
 
-const MAGIC: [(&[u8], Kind); 9] = [
-    (b"MDF     4", Kind::Mdf4),
-    (b"UnFinMF ", Kind::Mdf4),
-    (b"TDSm", Kind::Tdms),
-    (b"MATLAB 5.0 MAT-file", Kind::Mat),
-    (b"MATLAB 7.3 MAT-file", Kind::Hdf5),
-    (b"\x89HDF\r\n\x1a\n", Kind::Hdf5),
-    (b"PAR1", Kind::Parquet),
-    (b"ARROW1", Kind::Arrow),
-    (b"\x89MCAP0\r\n", Kind::Mcap),
+const MAGIC: [(&[u8], FileFormat); 9] = [
+    (b"MDF     4", FileFormat::Mdf4),
+    (b"UnFinMF ", FileFormat::Mdf4),
+    (b"TDSm", FileFormat::Tdms),
+    (b"MATLAB 5.0 MAT-file", FileFormat::Mat),
+    (b"MATLAB 7.3 MAT-file", FileFormat::Hdf5),
+    (b"\x89HDF\r\n\x1a\n", FileFormat::Hdf5),
+    (b"PAR1", FileFormat::Parquet),
+    (b"ARROW1", FileFormat::Arrow),
+    (b"\x89MCAP0\r\n", FileFormat::Mcap),
 ];
 
 /// First bytes of formats that are not read, with what to do.
@@ -104,7 +104,7 @@ const REFUSED: [(&[u8], &str); 9] = [
     feature = "formats-mdf4",
     feature = "formats-ros"
 )))]
-fn not_built(path: &Path, kind: Kind) -> ImportError {
+fn not_built(path: &Path, kind: FileFormat) -> ImportError {
     let feature = kind.feature().unwrap_or("default");
     let problem = format!(
         "is {kind}, which this build does not read: build socam-host with its feature `{feature}`, or with all of them (`cargo install --path host`)"
@@ -116,7 +116,7 @@ fn not_built(path: &Path, kind: Kind) -> ImportError {
 ///
 /// # Errors
 /// When it cannot be read, is empty, or is in a format that is not read.
-pub fn detect(path: &Path) -> Result<Kind> {
+pub fn detect(path: &Path) -> Result<FileFormat> {
     let is_file = path.metadata().map_err(|error| ImportError::io(path, error))?.is_file();
     if !is_file {
         return Err(ImportError::file(path, "is a folder, a pipe or a device; name a file"));
@@ -134,13 +134,13 @@ pub fn detect(path: &Path) -> Result<Kind> {
         return Err(ImportError::file(path, *problem));
     }
     if head.starts_with(&[0xff, 0xff, 0xff, 0xff]) && head.len() > 8 {
-        return Ok(Kind::Arrow);
+        return Ok(FileFormat::Arrow);
     }
     let is_utf16 = head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff");
     if head.contains(&0) && !is_utf16 {
         return Err(ImportError::file(path, "is a binary file of no format known here"));
     }
-    Ok(Kind::Text)
+    Ok(FileFormat::Text)
 }
 
 /// Reads signals of a file of any format. `layout` and `date`: how a text file is read, instead of what is found.
@@ -152,19 +152,19 @@ pub fn detect(path: &Path) -> Result<Kind> {
 pub fn read(path: &Path, layout: Option<&TextLayout>, date: Option<&str>, wanted: &Wanted) -> Result<Source> {
     let kind = detect(path)?;
     let read = || match kind {
-        Kind::Text => text::read(path, layout, date, wanted),
-        Kind::Tdms => tdms::read(path, wanted),
-        Kind::Mat => matlab::read(path, wanted),
+        FileFormat::Text => text::read(path, layout, date, wanted),
+        FileFormat::Tdms => tdms::read(path, wanted),
+        FileFormat::Mat => matlab::read(path, wanted),
         #[cfg(feature = "formats-mdf4")]
-        Kind::Mdf4 => mdf::read(path, wanted),
+        FileFormat::Mdf4 => mdf::read(path, wanted),
         #[cfg(feature = "formats-hdf5")]
-        Kind::Hdf5 => hdf5::read(path, wanted),
+        FileFormat::Hdf5 => hdf5::read(path, wanted),
         #[cfg(feature = "formats-arrow")]
-        Kind::Parquet => parquet::read(path, wanted),
+        FileFormat::Parquet => parquet::read(path, wanted),
         #[cfg(feature = "formats-arrow")]
-        Kind::Arrow => arrow::read(path, wanted),
+        FileFormat::Arrow => arrow::read(path, wanted),
         #[cfg(feature = "formats-ros")]
-        Kind::Mcap => mcap::read(path, wanted),
+        FileFormat::Mcap => mcap::read(path, wanted),
         #[cfg(not(all(
             feature = "formats-arrow",
             feature = "formats-hdf5",
@@ -188,7 +188,7 @@ pub fn read(path: &Path, layout: Option<&TextLayout>, date: Option<&str>, wanted
 
 #[cfg(test)]
 mod tests {
-    use super::{Kind, MAGIC};
+    use super::{FileFormat, MAGIC};
 
     #[test]
     fn the_table_of_docs_import_has_every_format_with_its_feature() {
@@ -201,7 +201,7 @@ mod tests {
             .map(|row| row.split(" | ").collect())
             .collect();
         let plain = |text: &str| text.replace([' ', '`'], "");
-        for kind in MAGIC.iter().map(|(_, kind)| *kind).chain([Kind::Text]) {
+        for kind in MAGIC.iter().map(|(_, kind)| *kind).chain([FileFormat::Text]) {
             let feature = kind.feature();
             let cell = feature.map_or("none |".to_owned(), |feature| format!("`{feature}` |"));
             assert!(

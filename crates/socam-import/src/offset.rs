@@ -14,7 +14,7 @@ const MOST: usize = 1 << 15;
 /// Largest offset, as a share of the common time.
 const LARGEST: f64 = 0.25;
 
-/// Seconds that are to be added to the second clock, and why, where a signal of each has the same unit and the same course.
+/// Seconds that are to be added to the second clock, and why, where a signal of each has the same unit and the same values over time.
 pub(crate) fn between(
     source: &Source,
     (base, base_times): (usize, &Option<Times>),

@@ -55,7 +55,7 @@ impl Check {
         let options = match model {
             Some(model) => {
                 require_common_ground(data, model)?;
-                socam_expectation::of_model(model, self.ratio_tolerance)
+                socam_requirements::of_model(model, self.ratio_tolerance)
             }
             None => CheckOptions { input: self.input.clone(), ..CheckOptions::default() },
         };

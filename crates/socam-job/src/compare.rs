@@ -1,4 +1,4 @@
-//! A recording beside the output of a simulator.
+//! Comparison of a recording with the output of a simulator.
 
 use serde::{Deserialize, Serialize};
 use socam_compare::{Comparison, Document, ModelCheck, Options};
@@ -43,12 +43,12 @@ impl Settings for Compare {
     }
 }
 
-/// A recording beside a simulation.
+/// A recording compared with a simulation.
 #[derive(Debug)]
 pub struct Compared {
-    /// What differs.
+    /// Differences between them.
     pub comparison: Comparison,
-    /// The same of a model's simulation beside the given one.
+    /// Comparison of the given simulation with that of a model.
     pub model: Option<ModelCheck>,
 }
 
@@ -61,8 +61,8 @@ impl Compared {
 }
 
 impl Compare {
-    /// Compares a recording on the grid [`View`](crate::Grid::View) with a simulation; and this simulation with that of a model, driven by the
-    /// recording's inputs on the grid [`Fit`](crate::Grid::Fit).
+    /// Compares a recording on the grid [`View`](crate::Grid::View) with a simulation, and this simulation with that of a model, which is
+    /// driven by the recording's inputs on the grid [`Fit`](crate::Grid::Fit).
     ///
     /// # Errors
     /// When they have no channel or too little time in common, or the model cannot be simulated.
@@ -95,7 +95,7 @@ impl Compare {
     }
 }
 
-/// How far two simulators on the same inputs are apart.
+/// Sentences about the difference between two simulators on the same inputs.
 fn sentences(name: &str, largest: f64) -> Vec<String> {
     let apart = format!(
         "The simulator and {name} on the same inputs, from rest, are apart by {} % of a channel's standard deviation at most.",

@@ -66,13 +66,13 @@ pub struct Rival {
 /// A proposal.
 #[derive(Debug)]
 pub struct Designed {
-    /// The profiles that were tried, the best of them.
+    /// The tried profiles, and the best of them.
     pub design: socam_design::Design,
     /// The text of the best profile's file.
     pub profile: String,
-    /// Names of two models that it tells apart.
+    /// Names of the two models that it distinguishes.
     pub tells_apart: Option<[String; 2]>,
-    /// Intervals to expect of the thesis' profile, to compare with.
+    /// Expected intervals with the thesis' profile, for comparison.
     pub reference: Option<Vec<Width>>,
 }
 
@@ -111,7 +111,7 @@ impl Design {
     /// Tries profiles on a virtual bench of the model; `tried` is called after each with their number.
     ///
     /// # Errors
-    /// When a limit cannot be meant, no profile keeps the limits, or the bench cannot be simulated.
+    /// When a limit is invalid, no profile keeps the limits, or the bench cannot be simulated.
     pub fn run(
         &self,
         model: &Model,

@@ -72,17 +72,17 @@ pub struct Diagnosed {
     pub held_out: Vec<Dataset>,
 }
 
-/// A recording that is held out: it is put on a grid, and a file is read, after the last choice.
+/// A held-out recording. It is read and put on a grid after the last choice.
 pub enum HeldOutRecording {
     /// A file, or a part of one: `RUN@FROM..TO` in seconds.
     File(String),
     /// A recording that its caller has opened already.
     Open(Dataset),
-    /// A recording that its caller opens, by its name.
+    /// Name of a recording, and a function by which the caller opens it.
     Unopened(String, OpenRecording),
 }
 
-/// Opens a recording, or says in one sentence why it cannot be opened.
+/// Opens a recording; the error is one sentence.
 pub type OpenRecording = Box<dyn FnOnce() -> std::result::Result<Dataset, String> + Send>;
 
 impl std::fmt::Debug for HeldOutRecording {
@@ -103,11 +103,11 @@ impl Diagnosed {
 }
 
 impl Diagnose {
-    /// Whether the files are tables of steady states. Of held-out recordings no sample is read.
+    /// Whether the files are tables of steady states. No sample of a held-out recording is read.
     ///
     /// # Errors
-    /// When samples are named twice, tables and recordings are mixed, an option is of the other kind, or a held-out recording cannot be opened,
-    /// as far as its first bytes tell, or is a copy of a fitted one.
+    /// When samples are named twice, tables and recordings are mixed, an option belongs to the other kind, or a held-out recording is a
+    /// copy of a fitted one or cannot be opened (only its first bytes are read).
     pub fn are_tables(&self, runs: &[String], holdout: &[String]) -> Result<bool> {
         let all = || runs.iter().chain(holdout);
         refuse_shared(all(), "what is held out must not be fitted, and nothing counts double")?;
@@ -142,7 +142,7 @@ impl Diagnose {
         }
     }
 
-    /// Diagnoses a model by recordings on the grid [`Diagnosis`](crate::Grid::Diagnosis). Those that are held out are put on it when they are
+    /// Diagnoses a model by recordings on the grid [`Diagnosis`](crate::Grid::Diagnosis). Held-out recordings are put on it when they are
     /// opened.
     ///
     /// # Errors
@@ -185,7 +185,7 @@ impl Diagnose {
         Ok(Diagnosed { answer, model, held_out: Vec::new() })
     }
 
-    /// The settings as the library takes them.
+    /// The settings in the form of the library.
     #[must_use]
     pub fn options(&self, progress: ProgressMonitor) -> socam_diagnose::Options {
         socam_diagnose::Options {
@@ -194,7 +194,7 @@ impl Diagnose {
             tolerance: self.tolerance,
             seed: self.seed,
             start_state: self.start.state(),
-            watch: progress,
+            progress,
             ..socam_diagnose::Options::default()
         }
     }

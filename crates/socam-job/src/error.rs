@@ -5,7 +5,7 @@ use socam_model::ModelError;
 /// Why a task cannot be done.
 #[derive(Debug, thiserror::Error)]
 pub enum JobError {
-    /// An option has a value that cannot be meant. The problem follows the option's name: ` 2: expected a number between 0 and 1`.
+    /// An option has an invalid value. The problem follows the option's name: ` 2: expected a number between 0 and 1`.
     #[error("{flag}{problem}")]
     Value {
         /// Name of the option as a keyword, `false_alarm_rate`.
@@ -21,12 +21,12 @@ pub enum JobError {
     /// Inputs that do not go together.
     #[error("{0}")]
     Inputs(String),
-    /// A change of the model that the model does not take.
+    /// A change that the model refuses.
     #[error("`{setting}`: {error}")]
     Change {
         /// The change as it was given, `k3=52485`.
         setting: String,
-        /// What the model says.
+        /// The model's error.
         error: ModelError,
     },
     /// No embedded model and no file has this name.
@@ -40,9 +40,9 @@ pub enum JobError {
     /// A file that cannot be read.
     #[error("cannot read {what}")]
     Read {
-        /// What it is, with its path.
+        /// Kind of the file, with its path.
         what: String,
-        /// The system's answer.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A model file with a mistake.
@@ -83,9 +83,9 @@ pub enum JobError {
     /// Recordings that cannot be compared.
     #[error("{0}")]
     Compare(#[from] socam_compare::CompareError),
-    /// A watch that cannot go on.
+    /// Monitoring that cannot go on.
     #[error("{0}")]
-    Watch(#[from] socam_watch::WatchError),
+    Monitor(#[from] socam_monitoring::MonitorError),
     /// A frequency response that cannot be estimated.
     #[error("{0}")]
     Response(#[from] socam_response::ResponseError),
@@ -101,12 +101,12 @@ pub enum JobError {
 pub type Result<T> = std::result::Result<T, JobError>;
 
 impl JobError {
-    /// A value that cannot be meant, of the option with this keyword and flag.
+    /// Error for an invalid value of the option with this keyword and flag.
     pub(crate) fn value(keyword: &str, flag: &str, problem: impl Into<String>) -> Self {
         Self::Value { keyword: keyword.into(), flag: flag.into(), problem: problem.into() }
     }
 
-    /// Whether what was asked for is wrong, and not what was found in files.
+    /// Whether the request is wrong, rather than the content of a file.
     #[must_use]
     pub fn is_wrong_request(&self) -> bool {
         matches!(
@@ -128,7 +128,7 @@ impl JobError {
         matches!(self, Self::Identify(Cancelled) | Self::Diagnose(DiagnoseError::Identify(Cancelled)))
     }
 
-    /// The sentence for a caller who gives options as keywords; with its cause.
+    /// The sentence for a caller who gives options as keywords, with its cause.
     #[must_use]
     pub fn in_keywords(&self) -> String {
         match self {

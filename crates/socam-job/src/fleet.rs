@@ -1,4 +1,4 @@
-//! What each recording of a fleet is diagnosed with.
+//! Settings with which each recording of a fleet is diagnosed.
 
 use serde::{Deserialize, Serialize};
 

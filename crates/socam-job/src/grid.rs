@@ -1,23 +1,23 @@
-//! Recordings as tasks take them: irregular samples are put on a regular grid.
+//! Grids for tasks: irregular samples of recordings are put on a regular grid.
 
 use socam_model::{Intersample, Model};
 use socam_recording::{Carry, Channel, Dataset, RecordingError};
 
 use crate::error::Result;
 
-/// Points of a fit's grid for each irregular sample, where inputs bend at their samples.
+/// Points of a fit's grid for each irregular sample, if inputs have corners at their samples.
 const PARTS_OF_A_FIT: u32 = 4;
 
-/// What a recording is opened for.
+/// Purpose for which a recording is opened; it determines the grid.
 #[derive(Debug, Clone, Copy)]
 pub enum Grid<'m> {
-    /// To look at: all channels are interpolated.
+    /// For display: all channels are interpolated.
     View,
-    /// For a fit of this model. Inputs that bend at their samples (hold, linear) need points between them, so that the bends stand where they
-    /// were: four points a sample. Outputs count at their own samples only.
+    /// For a fit of this model. Inputs with corners at their samples (hold, linear) need points between samples, so that the corners keep
+    /// their times: four points per sample. Outputs count at their own samples only.
     Fit(&'m Model),
-    /// For a diagnosis of this model: one point a sample. On a finer grid outputs would be missing at most points, and the diagnosis looks at
-    /// their spectra, which need all points.
+    /// For a diagnosis of this model: one point per sample. On a finer grid outputs would be missing at most points, but the diagnosis
+    /// computes their spectra, which need all points.
     Diagnosis(&'m Model),
 }
 
@@ -25,19 +25,18 @@ impl Grid<'_> {
     /// Opens a recording, or a part of one: `RUN@FROM..TO` in seconds.
     ///
     /// # Errors
-    /// When the file cannot be read, is damaged, or does not say what its numbers are.
+    /// When the file cannot be read, is damaged, or does not state the meaning of its numbers.
     pub fn open(self, run: &str) -> Result<Dataset> {
         Ok(self.apply(socam_import::open(run)?)?)
     }
 
-    /// The recording on this grid; as it is, if its samples are regular.
+    /// The recording on this grid; unchanged if its samples are regular.
     ///
     /// # Errors
     /// When the recording cannot be read.
     pub fn apply(self, data: Dataset) -> std::result::Result<Dataset, RecordingError> {
         match self {
-            Self::View if data.steps()?.are_irregular() => data.on_regular_grid(1, |_| Carry::Smooth),
-            Self::View => Ok(data),
+            Self::View => data.regular(),
             Self::Fit(model) => on_regular_grid(data, model, PARTS_OF_A_FIT),
             Self::Diagnosis(model) => on_regular_grid(data, model, 1),
         }
@@ -52,8 +51,8 @@ impl Grid<'_> {
     }
 }
 
-/// A recording for a fit of `model`: irregular samples are put on a regular grid, of `parts` points a sample where the model has inputs
-/// that bend at their samples.
+/// A recording for a fit of `model`: irregular samples are put on a regular grid, with `parts` points per sample if the model has inputs
+/// with corners at their samples.
 fn on_regular_grid(data: Dataset, model: &Model, parts: u32) -> std::result::Result<Dataset, RecordingError> {
     if !data.steps()?.are_irregular() {
         return Ok(data);

@@ -105,7 +105,7 @@ impl Settings for Identify {
     }
 }
 
-/// Said of an option that only methods over time use.
+/// Message about an option that only methods over time use.
 pub const NOT_OVER_FREQUENCY: &str =
     " belongs to --method output-error; a method over frequency does not use it";
 
@@ -114,9 +114,9 @@ pub const NOT_OVER_FREQUENCY: &str =
 pub struct Identified {
     /// The estimates.
     pub result: socam_identify::Identification,
-    /// Errors of the force in the recordings that were fitted, of a one-coordinate axis.
+    /// Errors of the force in the fitted recordings of a one-coordinate axis.
     pub training: Vec<ForceError>,
-    /// The fit of each recording that was not fitted.
+    /// The fit of each validation recording.
     pub validation: Vec<Validation>,
     /// The model without the gains of its sensors, which belong to the calibration.
     model: Model,
@@ -143,14 +143,14 @@ impl Identified {
 pub struct Calibrated {
     /// The model with gains.
     pub model: Model,
-    /// The model without.
+    /// The model without gains.
     pub plain: Model,
     /// Calibrations that were not used, and why.
     pub warnings: Vec<String>,
 }
 
 impl Identify {
-    /// The model with the gains of sensors whose calibration is given or travels with the recordings; only a fit of output errors has them.
+    /// The model with the gains of sensors whose calibration is given or stored in the recordings; only output-error fits have these.
     ///
     /// # Errors
     /// When the calibration cannot be read, or does not suit the model.
@@ -179,7 +179,7 @@ impl Identify {
         progress: ProgressMonitor,
     ) -> Result<Identified> {
         let Calibrated { model, plain, .. } = calibrated;
-        let options = Options { watch: progress, ..self.options(model)? };
+        let options = Options { progress, ..self.options(model)? };
         let in_words = |error| in_words(model, error);
         if let Some(band) = self.band {
             let checked = held_out.iter().try_for_each(|dataset| band.check(dataset));
@@ -196,18 +196,18 @@ impl Identify {
                 socam_identify::output_error(&problem)?
             }
         };
-        // What is left is short, and is done after a search that was ended, too.
-        let options = Options { watch: ProgressMonitor::default(), ..options };
+        // The remaining work is short, and is done even after an interrupted search.
+        let options = Options { progress: ProgressMonitor::default(), ..options };
         let validation = socam_identify::validate(model, held_out, &result, &options, self.band);
         let validation = validation.map_err(in_words)?;
         let training = socam_identify::force_errors(model, training, &result)?;
         Ok(Identified { result, training, validation, model: plain.clone() })
     }
 
-    /// The settings as the library takes them.
+    /// The settings in the form of the library.
     ///
     /// # Errors
-    /// When a noise level is no number, or not all outputs have one.
+    /// When a noise level is not a number, or not all outputs have one.
     pub fn options(&self, model: &Model) -> Result<Options> {
         Ok(Options {
             noise: self.noise_levels(model)?,
@@ -235,7 +235,7 @@ impl Identify {
     }
 }
 
-/// The error, with the remedy where the recording is one of another model.
+/// The error, with a remedy if the recording belongs to another model.
 fn in_words(model: &Model, error: IdentifyError) -> JobError {
     match error {
         IdentifyError::Recording(error @ RecordingError::NoSuchChannel { .. }) => JobError::OtherModel {

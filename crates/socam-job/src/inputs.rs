@@ -1,4 +1,4 @@
-//! Recordings that a task is given, before they are opened.
+//! Checks of the recordings given to a task, before they are opened.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use socam_recording::{Calibration, Selection};
 
 use crate::error::{JobError, Result};
 
-/// Refuses samples that are named twice, also by different paths. `why` says what that would do.
+/// Refuses samples that are named twice, also by different paths. `why` is the reason that the error states.
 ///
 /// # Errors
 /// [`JobError::Inputs`], and where a selection `RUN@FROM..TO` cannot be read.

@@ -1,10 +1,10 @@
-//! Every task that a front end offers, once: its settings, how its recordings are opened, its run, its result.
+//! The tasks of all front ends. Each has its settings, a way to open its recordings, a run and a result.
 //!
 //! A task is a struct of settings: [`Check`], [`Identify`], [`Response`], [`Diagnose`], [`Compare`], [`Watch`], [`Simulate`], [`Design`],
-//! [`FleetRow`] and [`Record`]. The struct is the only description of the task's options: the command line flattens it, keywords become one
-//! by [`options::from_keywords`], a window draws a form of [`options::describe`], and [`options::command_line`] writes the command that does
-//! the same. A task runs on a model and on recordings in memory; [`Grid`] opens them and puts irregular samples on a regular grid. Results
-//! have `document()`, the JSON contract.
+//! [`FleetRow`] and [`Record`]. Only the struct describes the task's options: the command line flattens it, [`options::from_keywords`]
+//! reads it from keywords, [`options::describe`] describes its form for a window, and [`options::command_line`] writes it as a command. A
+//! task runs on a model and on recordings in memory; [`Grid`] opens them and puts irregular samples on a regular grid. Results have
+//! `document()`, the JSON contract.
 //!
 //! A new option is a field of one struct here. Nothing here prints.
 

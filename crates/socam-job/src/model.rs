@@ -1,4 +1,4 @@
-//! The model of a task: an embedded one by its name or a model file, and what of it is changed.
+//! The model of a task: an embedded one by its name, or a model file; and changes of it.
 
 use std::path::Path;
 
@@ -38,7 +38,7 @@ impl ModelSettings {
     /// Loads the model and changes it.
     ///
     /// # Errors
-    /// When there is no such model, its file has a mistake, or it does not take a change.
+    /// When there is no such model, its file has a mistake, or it refuses a change.
     pub fn load(&self) -> Result<Model> {
         self.changed(load_model(&self.model)?)
     }
@@ -46,7 +46,7 @@ impl ModelSettings {
     /// The given model with the changes.
     ///
     /// # Errors
-    /// When the model does not take a change.
+    /// When the model refuses a change.
     pub fn changed(&self, mut model: Model) -> Result<Model> {
         set_parameters(&mut model, &self.start_values, false)?;
         set_parameters(&mut model, &self.fixed, true)?;
@@ -109,7 +109,7 @@ pub(crate) fn set_between(model: &mut Model, settings: &[String]) -> Result<()> 
         };
         let kind = match word {
             "auto" => None,
-            // What `simulate` called them once.
+            // Earlier names of these words in `simulate`.
             "line" => Some(Intersample::Linear),
             "step" => Some(Intersample::Hold),
             word => Some(

@@ -47,12 +47,12 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a positive number".into())
 }
 
-/// The text, if it is one of `T`, which is read when the task runs.
+/// The text, checked to be a `T`; it is parsed again when the task runs.
 pub(crate) fn text_of<T: std::str::FromStr<Err: std::fmt::Display>>(text: &str) -> Result<String, String> {
     text.parse::<T>().map(|_| text.to_owned()).map_err(|error| error.to_string())
 }
 
-/// A text as it is; numbers of a list joined.
+/// A text unchanged, or the numbers of a list joined.
 fn joined(value: &Value, separator: &str) -> String {
     match value {
         Value::String(text) => text.clone(),

@@ -1,4 +1,4 @@
-//! Options of a task from their one description, the task's settings: keywords in, words of the command line out.
+//! Options of a task, described once by its settings: conversion from keywords and to words of the command line.
 //!
 //! A settings struct derives `clap::Args` and serde. Names of keywords are names of its fields; flags, help, defaults, ranges and choices
 //! are those of clap.
@@ -12,10 +12,10 @@ use crate::error::{JobError, Result};
 
 /// Settings of a task.
 pub trait Settings: clap::Args + Serialize + DeserializeOwned {
-    /// The command, as in `identify --method frf`.
+    /// Words of the command, as in `identify --method frf`.
     const COMMAND: &'static [&'static str];
 
-    /// Refuses values that cannot be meant, beyond the ranges in the description.
+    /// Refuses invalid values that the ranges in the description admit.
     ///
     /// # Errors
     /// [`JobError::Value`].
@@ -24,27 +24,27 @@ pub trait Settings: clap::Args + Serialize + DeserializeOwned {
     }
 }
 
-/// Settings from keywords; those that are not given have their defaults, and so have those that are null.
+/// Settings from keywords. Keywords that are missing or null have their defaults.
 ///
 /// # Errors
-/// [`JobError::Keyword`] for a name that is unknown and a value of another type, [`JobError::Value`] for one that cannot be meant.
+/// [`JobError::Keyword`] for an unknown name or a value of another type, [`JobError::Value`] for an invalid value.
 pub fn from_keywords<T: Settings>(given: Map<String, Value>) -> Result<T> {
     let settings: T = read(given)?;
     settings.validate()?;
     Ok(settings)
 }
 
-/// Settings from words of the command line, as a form of them has.
+/// Settings from words of the command line, for example from a form.
 ///
 /// # Errors
-/// [`JobError::Value`] for a word that is not understood and for a value that cannot be meant.
+/// [`JobError::Value`] for an unknown word or an invalid value.
 pub fn from_words<T: Settings>(words: &[String]) -> Result<T> {
     let settings: T = parsed(words)?;
     settings.validate()?;
     Ok(settings)
 }
 
-/// As [`from_keywords`], of a part of a task's settings.
+/// Like [`from_keywords`], for a part of a task's settings.
 ///
 /// # Errors
 /// As [`from_keywords`].
@@ -57,7 +57,7 @@ pub fn read<T: clap::Args + Serialize + DeserializeOwned>(given: Map<String, Val
             return Err(JobError::Keyword(format!("there is no option `{name}`; the options are {known}")));
         }
         all.insert(name.clone(), value);
-        // One after the other, so that the error is that of this one.
+        // Values are parsed one after the other, so that an error belongs to this one.
         if let Err(error) = serde_json::from_value::<T>(Value::Object(all.clone())) {
             let problem = format!(": {error}");
             return Err(match problem.contains("invalid type") {
@@ -67,14 +67,14 @@ pub fn read<T: clap::Args + Serialize + DeserializeOwned>(given: Map<String, Val
         }
     }
     let settings = serde_json::from_value::<T>(Value::Object(all)).map_err(broken)?;
-    // Ranges, and what excludes each other, as on the command line.
+    // Checks ranges and exclusions as on the command line.
     parsed(&words(&settings)?)
 }
 
 /// The settings of a command line without options.
 ///
 /// # Errors
-/// When the description holds together no longer.
+/// When the description is inconsistent.
 pub fn defaults<T: clap::Args>() -> Result<T> {
     parsed(&[])
 }
@@ -82,7 +82,7 @@ pub fn defaults<T: clap::Args>() -> Result<T> {
 /// The options that differ from their defaults, as words of the command line.
 ///
 /// # Errors
-/// When the description holds together no longer.
+/// When the description is inconsistent.
 pub fn words<T: clap::Args + Serialize>(settings: &T) -> Result<Vec<String>> {
     let (own, usual) = (object(settings)?, object(&defaults::<T>()?)?);
     let mut words = Vec::new();
@@ -109,11 +109,11 @@ pub fn words<T: clap::Args + Serialize>(settings: &T) -> Result<Vec<String>> {
     Ok(words)
 }
 
-/// The command of `socam-host` that does the same: the task's command, inputs by their flag (none for recordings), then the options that
-/// differ from their defaults. Words are quoted as a shell needs it.
+/// The command of `socam-host` for these settings: the task's command, inputs by their flag (none for recordings), then the options that
+/// differ from their defaults. Words are quoted for a shell.
 ///
 /// # Errors
-/// When the description holds together no longer.
+/// When the description is inconsistent.
 pub fn command_line<T: Settings>(settings: &T, inputs: &[(&str, &[String])]) -> Result<String> {
     let mut all: Vec<String> = T::COMMAND.iter().map(|word| (*word).to_owned()).collect();
     for (flag, values) in inputs {
@@ -128,33 +128,33 @@ pub fn command_line<T: Settings>(settings: &T, inputs: &[(&str, &[String])]) -> 
     Ok(format!("socam-host {}", quoted.join(" ")))
 }
 
-/// What an option is, for forms and for programs that call by keyword.
+/// Description of an option, for forms and for programs that call by keyword.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Described {
     /// Its keyword.
     pub name: String,
     /// Its flag on the command line.
     pub flag: String,
-    /// What it does, in one sentence.
+    /// Its effect, in one sentence.
     pub help: String,
-    /// What its value is called, as in `NAME=VALUE`.
+    /// Placeholder of its value, as in `NAME=VALUE`.
     pub value_name: String,
-    /// What its value is.
-    pub kind: Kind,
+    /// Type of its value.
+    pub kind: ValueType,
     /// Heading in the command's help, if it has one.
     pub heading: Option<String>,
     /// Whether it may be given several times.
     pub is_list: bool,
-    /// The words that it takes, if it is a choice.
+    /// The words that it accepts, if it is a choice.
     pub choices: Vec<String>,
     /// Its default as a keyword; null where there is none.
     pub default: Value,
 }
 
-/// What the value of an option is.
+/// Type of an option's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum ValueType {
     /// On or off.
     Switch,
     /// A whole number.
@@ -172,7 +172,7 @@ pub enum Kind {
 /// The options of a task, in the order of its command's help.
 ///
 /// # Errors
-/// When the description holds together no longer.
+/// When the description is inconsistent.
 pub fn describe<T: Settings>() -> Result<Vec<Described>> {
     let usual = object(&defaults::<T>()?)?;
     let one = |arg: &clap::Arg| {
@@ -184,17 +184,17 @@ pub fn describe<T: Settings>() -> Result<Vec<Described>> {
             flag: format!("--{}", arg.get_long().unwrap_or(name)),
             help: arg.get_help().map(ToString::to_string).unwrap_or_default(),
             value_name: names.map(|name| name.as_str()).collect::<Vec<_>>().join(" "),
-            kind: Kind::of(arg),
+            kind: ValueType::of(arg),
             heading: arg.get_help_heading().map(str::to_owned),
             is_list: matches!(arg.get_action(), ArgAction::Append),
-            choices: if Kind::of(arg) == Kind::Choice { choices.collect() } else { Vec::new() },
+            choices: if ValueType::of(arg) == ValueType::Choice { choices.collect() } else { Vec::new() },
             default: usual.get(name).cloned().unwrap_or_default(),
         }
     };
     Ok(command::<T>().get_arguments().map(one).collect())
 }
 
-impl Kind {
+impl ValueType {
     fn of(arg: &clap::Arg) -> Self {
         use std::any::TypeId;
         let parsed = arg.get_value_parser().type_id();
@@ -214,7 +214,7 @@ impl Kind {
     }
 }
 
-/// A word of a command as a shell reads it back.
+/// A word of a command, quoted for a shell.
 #[must_use]
 pub fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "-_./=:,@%+".contains(c);
@@ -224,7 +224,7 @@ pub fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', "'\\''"))
 }
 
-/// The task's options as a command without anything else.
+/// A command with the task's options only.
 fn command<T: clap::Args>() -> clap::Command {
     T::augment_args(clap::Command::new("task").no_binary_name(true).disable_help_flag(true))
 }
@@ -240,7 +240,7 @@ fn parsed<T: clap::Args>(words: &[String]) -> Result<T> {
     matches.and_then(|matches| T::from_arg_matches(&matches)).map_err(|error| said::<T>(&error))
 }
 
-/// What clap says of a value, as an error of its option.
+/// clap's message about a value, as an error of its option.
 fn said<T: clap::Args>(error: &clap::Error) -> JobError {
     use clap::error::{ContextKind, ContextValue};
     let text = |kind: ContextKind| match error.get(kind) {
@@ -248,7 +248,7 @@ fn said<T: clap::Args>(error: &clap::Error) -> JobError {
         Some(ContextValue::Strings(all)) => all.join(", "),
         _ => String::new(),
     };
-    // `--most <N>`
+    // clap shows the argument as `--most <N>`.
     let shown = text(ContextKind::InvalidArg);
     let long = shown.split_whitespace().next().unwrap_or_default().trim_start_matches('-').to_owned();
     let command = command::<T>();

@@ -1,4 +1,4 @@
-//! What is run on a bench: the part of a recording's settings that needs no device.
+//! The run on a bench: the part of a recording's settings that needs no device.
 
 use serde::{Deserialize, Serialize};
 use socam_recording::ProfileFile;

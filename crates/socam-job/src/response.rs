@@ -39,6 +39,19 @@ pub struct Signals {
 }
 
 impl Signals {
+    /// As the library takes them.
+    #[must_use]
+    pub fn settings(&self, band: Option<Band>) -> socam_response::Settings {
+        socam_response::Settings {
+            reference: self.reference.clone(),
+            band_hz: band.map(|band| [band.low_hz(), band.high_hz()]),
+            period_s: self.period_s,
+            outliers: self.outliers,
+            low_pass: self.low_pass,
+            quietest: self.quietest,
+        }
+    }
+
     /// Responses of the outputs of these names, or of all, from recordings on the grid [`View`](crate::Grid::View).
     ///
     /// # Errors
@@ -50,14 +63,7 @@ impl Signals {
         outputs: &[String],
         band: Option<Band>,
     ) -> Result<Vec<Answer<'m>>> {
-        let settings = socam_response::Settings {
-            reference: self.reference.clone(),
-            band_hz: band.map(|band| [band.low_hz(), band.high_hz()]),
-            period_s: self.period_s,
-            outliers: self.outliers,
-            low_pass: self.low_pass,
-            quietest: self.quietest,
-        };
+        let settings = self.settings(band);
         socam_response::estimate(model, datasets, outputs, &settings).map_err(|error| match &error {
             ResponseError::UnknownOutput { .. } => {
                 let said = error.to_string();

@@ -15,7 +15,7 @@ pub fn check_rate(keyword: &str, flag: &str, rate: f64) -> Result<()> {
     Err(JobError::value(keyword, flag, format!(" {rate}: expected a number between 0 and 1")))
 }
 
-/// As [`check_rate`], of the option `--false-alarm-rate`.
+/// Like [`check_rate`], for the option `--false-alarm-rate`.
 ///
 /// # Errors
 /// As [`check_rate`].
@@ -33,7 +33,7 @@ pub enum Start {
 }
 
 impl Start {
-    /// As the library takes it.
+    /// The state in the form of the library.
     #[must_use]
     pub fn state(self) -> StartState {
         match self {

@@ -60,7 +60,7 @@ impl VirtualBench {
     /// The whole bench of a model, with the sensors of `calibration`, or by default those for the model.
     ///
     /// # Errors
-    /// As [`VirtualBench::truth`], and when a change in mid-run changes nothing.
+    /// The errors of [`VirtualBench::truth`], and an error when a change in mid-run changes nothing.
     pub fn setup(&self, model: &Model, calibration: Option<Calibration>) -> Result<socam_sim::Setup> {
         let truth = self.truth(model)?;
         let calibration = calibration.unwrap_or_else(|| calibration_for(&truth.model));
@@ -79,7 +79,7 @@ impl VirtualBench {
         Ok(setup)
     }
 
-    /// The model that the bench is written as.
+    /// The written model of the bench.
     ///
     /// # Errors
     /// When there is no such model, or its file has a mistake.
@@ -87,7 +87,7 @@ impl VirtualBench {
         load_model(&self.model)
     }
 
-    /// Whether anything but the model was given: that makes sense for a virtual bench only.
+    /// Whether any option except the model is set; these options apply only to a virtual bench.
     #[must_use]
     pub fn describes_a_bench(&self) -> bool {
         self.describes_a_change() || !self.noise || self.begin_at_s.is_some()
@@ -143,7 +143,7 @@ impl Simulate {
     /// Runs a profile on the virtual bench of a model, in memory.
     ///
     /// # Errors
-    /// When profile, rate or bench cannot be meant, or the bench ends the run.
+    /// When profile, rate or bench is invalid, or the bench ends the run.
     pub fn run(&self, model: &Model, profile: ProfileFile, name: String) -> Result<Dataset> {
         let period_us = self.record.period_us()?;
         let profile = self.record.lasting(profile)?.profile(period_us)?;
@@ -165,7 +165,7 @@ impl Simulate {
         let disturbances: std::result::Result<Vec<Disturbance>, _> =
             self.disturb.iter().map(|text| text.parse()).collect();
         let disturbances = disturbances?;
-        // A disturbance is none of that model's inputs.
+        // The fit of start states knows the inputs of the model only, not disturbances.
         let start = match (self.from_rest, disturbances.is_empty()) {
             (true, _) => Start::Rest,
             (false, true) => fitted_start(&truth, &data),
@@ -189,7 +189,7 @@ fn fitted_start(truth: &Truth, data: &Dataset) -> Start {
     fitted.map_or(Start::Fitted, |fitted| Start::Given(fitted.into_iter().map(begin).collect()))
 }
 
-/// The document `socam.comparison/1`: a model driven by a recording's inputs beside the recording.
+/// The document `socam.comparison/1`: a model driven by a recording's inputs, compared with the recording.
 #[derive(Debug, Clone, Serialize)]
 pub struct ReplayDocument {
     schema: &'static str,

@@ -1,4 +1,4 @@
-//! The tasks by their names.
+//! The tasks by name.
 
 use crate::error::{JobError, Result};
 use crate::options::{Described, describe};

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 use socam_model::Model;
+use socam_monitoring::{Baseline, Event, Watched};
 use socam_recording::Dataset;
-use socam_watch::{Baseline, Event, Watched};
 
 use crate::error::Result;
 use crate::model::ModelSettings;
@@ -36,9 +36,9 @@ impl Watching {
 
     /// As the library takes them.
     #[must_use]
-    pub fn settings(&self) -> socam_watch::Settings {
-        let usual = socam_watch::Settings::default();
-        socam_watch::Settings {
+    pub fn settings(&self) -> socam_monitoring::Settings {
+        let usual = socam_monitoring::Settings::default();
+        socam_monitoring::Settings {
             false_alarms_per_hour: self.false_alarms_per_hour,
             window_s: self.window_s.unwrap_or(usual.window_s),
             block_s: self.block_s.unwrap_or(usual.block_s),
@@ -86,7 +86,8 @@ impl Watch {
         baseline: Option<Baseline>,
         data: &Dataset,
     ) -> Result<(Watched, Vec<Event>)> {
-        let watch = socam_watch::Watch::new(model, data.channels(), baseline, self.watching.settings())?;
-        Ok(Watched::of(watch, data)?)
+        let monitor =
+            socam_monitoring::Monitor::new(model, data.channels(), baseline, self.watching.settings())?;
+        Ok(Watched::of(monitor, data)?)
     }
 }

@@ -1,4 +1,4 @@
-//! The settings of every task: as keywords, and as the command that does the same.
+//! The settings of every task, as keywords and as the command with the same effect.
 
 use serde_json::{Map, Value, json};
 use socam_job::options::{command_line, defaults, from_keywords, words};
@@ -15,7 +15,7 @@ fn from<T: Settings>(value: Value) -> Result<T, JobError> {
     from_keywords(keywords(value))
 }
 
-/// The words of a command line, as a shell hands them over.
+/// Splits a command line into words like a shell.
 fn shell(line: &str) -> Vec<String> {
     let (mut words, mut word, mut is_quoted, mut chars) = (Vec::new(), None, false, line.chars());
     while let Some(c) = chars.next() {
@@ -33,7 +33,7 @@ fn shell(line: &str) -> Vec<String> {
     words
 }
 
-/// The command of settings is parsed back into equal ones.
+/// Asserts that the command made from settings is parsed back into equal settings.
 fn comes_back<T: Settings + PartialEq + std::fmt::Debug>(given: Value) {
     let settings: T = from(given).unwrap();
     let runs = ["a b.mcap".to_owned(), "it's.csv@2..8".to_owned()];

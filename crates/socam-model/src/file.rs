@@ -2,7 +2,7 @@
 
 use crate::{
     Channel, EffectUse, Model, ModelError, Motion, Role, Site,
-    effects::{Effect, Kind, SERVO_LIMIT},
+    effects::{Effect, QuantityKind, SERVO_LIMIT},
     model::Node,
 };
 
@@ -99,8 +99,8 @@ impl Model {
 }
 
 fn read(text: &str) -> Result<Model, ModelError> {
-    if let Some(line) = socam_text::too_deep(text) {
-        let message = format!("more than {} brackets are open here; close them", socam_text::DEEPEST);
+    if let Some(line) = socam_toml::too_deep(text) {
+        let message = format!("more than {} brackets are open here; close them", socam_toml::DEEPEST);
         return Err(ModelError::File { line, message });
     }
     let raw: RawModel = toml::from_str(text).map_err(|error| wording::explained(text, &error))?;
@@ -178,7 +178,7 @@ impl Reader<'_> {
         }
         for node in raw.nodes.0 {
             self.declare(&node.name)?;
-            let inertia = node.inertia.map(|name| self.positive(&name, Kind::Inertia)).transpose()?;
+            let inertia = node.inertia.map(|name| self.positive(&name, QuantityKind::Inertia)).transpose()?;
             self.nodes.push(Node { name: node.name.into_inner(), inertia });
         }
         let springs = self.each(raw.springs, Self::spring)?;

@@ -81,7 +81,7 @@ pub use log::recover::{Recovered, recover};
 pub use log::sample::{Event, SampleRow, Status};
 pub use log::writer::RecordingHeader;
 pub use output_file::OutputFile;
-pub use profile_file::{Course, ProfileFile};
+pub use profile_file::{ProfileFile, Waveform};
 pub use segments::{GAP_STEPS, Segment};
 pub use selection::{Selection, Span};
 pub use settings::{Fields, SettingsError, read as read_settings};

@@ -81,8 +81,8 @@ impl<'t> Fields<'t> {
     /// # Errors
     /// When the text is no TOML.
     pub fn parse(text: &'t str) -> Result<Self, SettingsError> {
-        if let Some(line) = socam_text::too_deep(text) {
-            let message = format!("more than {} brackets are open here; close them", socam_text::DEEPEST);
+        if let Some(line) = socam_toml::too_deep(text) {
+            let message = format!("more than {} brackets are open here; close them", socam_toml::DEEPEST);
             return Err(SettingsError { line: Some(line), ..SettingsError::new(message) });
         }
         let table = DeTable::parse(text).map_err(|error| SettingsError {

@@ -29,7 +29,7 @@ pub(crate) fn bench(model: &Model, marks: &[(&str, PlaceMark)]) -> Markup {
     }
 }
 
-/// The bench as an SVG file in light colours, with marks at places or channels by name: [`marks`](socam_answer::headline::marks) gives those
+/// The bench as an SVG file in light colours, with marks at places or channels by name: [`marks`](socam_findings::headline::marks) gives those
 /// of a diagnosis.
 ///
 /// ```

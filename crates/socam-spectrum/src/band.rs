@@ -18,7 +18,7 @@ pub fn square_within(signal: &[f64], sample_time_s: f64, [low_hz, high_hz]: [f64
     let step_hz = 1.0 / (rows as f64 * sample_time_s);
     let lines = transform(&swing).into_iter().enumerate().skip(1);
     let within = lines.filter(|(line, _)| (low_hz..=high_hz).contains(&(*line as f64 * step_hz)));
-    // Each line counts for its negative frequency too, except that at half the sampling rate.
+    // Each line counts twice, for its negative frequency too, except the line at half the sampling rate.
     let squares =
         within.map(|(line, value)| if 2 * line == rows { value.norm_sqr() } else { 2.0 * value.norm_sqr() });
     squares.sum::<f64>() / rows as f64

@@ -1,7 +1,7 @@
 //! The discrete Fourier transform of real signals.
 //!
-//! `realfft` is generic over the number type: every crate that plans with it compiles all transforms again, which takes ten seconds
-//! of a processor. This file compiles them once, for `f64`.
+//! `realfft` is generic over the number type: every crate that plans transforms with it compiles all of them, which takes 10 s of processor
+//! time. This file compiles them once, for `f64`.
 
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ pub fn transform(values: &[f64]) -> Vec<Complex<f64>> {
     }
     let plan = forward(values.len());
     let (mut input, mut output) = (values.to_vec(), plan.make_output_vec());
-    // It only fails for buffers of a wrong length, and these are its own.
+    // The transform fails only for buffers of a wrong length, and these have the right length.
     if plan.process(&mut input, &mut output).is_err() {
         output.clear();
     }

@@ -1,7 +1,7 @@
 //! Spectra of sampled signals: the discrete Fourier transform, power densities and coherence by Welch's method, and the part of a signal
 //! within a band.
 //!
-//! * [`transform`] and [`autocorrelation`] are of one signal as it is.
+//! * [`transform`] and [`autocorrelation`] apply to one whole signal.
 //! * [`Welch`] averages over segments, between which there may be gaps; [`Spectra`] is its result, [`coherence_p_value`] what chance makes
 //!   of it.
 //! * [`square_within`] is the part of a signal within a band.

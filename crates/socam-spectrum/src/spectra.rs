@@ -1,8 +1,8 @@
-//! Averaged spectra: densities, coherence, and what chance makes of them.
+//! Averaged spectra: densities, coherence, and their distribution by chance.
 
 use realfft::num_complex::Complex;
 
-/// Factor by which the variance of a density grows if Hann-windowed segments overlap by half, against as many independent ones: the
+/// Factor by which the variance of a density grows if Hann-windowed segments overlap by half, relative to as many independent segments:
 /// spectra of neighbours correlate by 1/6, and 1 + 2/6² = 1.056.
 const OVERLAP: f64 = 1.056;
 
@@ -19,7 +19,7 @@ pub struct Spectra<const N: usize = 1> {
 }
 
 impl<const N: usize> Spectra<N> {
-    /// Distance of lines, Hz.
+    /// Distance between lines, Hz.
     #[must_use]
     pub fn step_hz(&self) -> f64 {
         self.step_hz
@@ -68,8 +68,8 @@ impl<const N: usize> Spectra<N> {
     }
 }
 
-/// Probability that independent signals reach a squared coherence at one line, where their densities have so many degrees of freedom
-/// (N. R. Goodman, 1957).
+/// Probability that independent signals reach a squared coherence at one line if their densities have `freedom` degrees of freedom (N. R.
+/// Goodman, 1957).
 ///
 /// ```
 /// // Two segments: the coherence of independent signals is uniform between 0 and 1.

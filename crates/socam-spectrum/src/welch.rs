@@ -9,8 +9,8 @@ use crate::{fourier::forward, spectra::Spectra};
 
 /// Averages the spectra of `N` simultaneous signals over segments of one length with a Hann window.
 ///
-/// Segments may come from anywhere in the signals: those of [`Self::add_run`] overlap by half, those of [`Self::add`] are the caller's choice.
-/// Each is freed of its mean, unless [`Self::with_mean`] says otherwise. A segment with a value that is not finite is left out.
+/// Segments may come from anywhere in the signals: those of [`Self::add_run`] overlap by half, [`Self::add`] takes any segment. The mean of
+/// each segment is removed unless [`Self::with_mean`] is set. A segment with a value that is not finite is left out.
 ///
 /// ```
 /// use socam_spectrum::Welch;
@@ -32,7 +32,7 @@ pub struct Welch<const N: usize = 1> {
     hop: usize,
     keeps_mean: bool,
     input: Vec<f64>,
-    /// Transforms of the segment at hand.
+    /// Transforms of the present segment.
     lines: [Vec<Complex<f64>>; N],
     /// Sums of squares of each signal, and of products of each with the conjugate of the first.
     power: [Vec<f64>; N],
@@ -47,7 +47,7 @@ impl<const N: usize> std::fmt::Debug for Welch<N> {
 }
 
 impl<const N: usize> Welch<N> {
-    /// For segments of `length` samples, at least one, that overlap by half.
+    /// Averages segments of `length` samples, at least one, that overlap by half.
     #[must_use]
     pub fn new(length: usize) -> Self {
         let length = length.max(1);
@@ -67,13 +67,13 @@ impl<const N: usize> Welch<N> {
         }
     }
 
-    /// With segments that do not overlap: they are independent, so that the distribution of their coherence is known.
+    /// Makes segments that do not overlap: they are independent, so that the distribution of their coherence is known.
     #[must_use]
     pub fn without_overlap(self) -> Self {
         Self { hop: self.length(), ..self }
     }
 
-    /// With segments as they are, their means included.
+    /// Keeps the mean of each segment.
     #[must_use]
     pub fn with_mean(self) -> Self {
         Self { keeps_mean: true, ..self }
@@ -91,7 +91,7 @@ impl<const N: usize> Welch<N> {
         self.hop
     }
 
-    /// Adds all segments of signals without a gap, of equal length. What does not fill a last segment is left out.
+    /// Adds all segments of signals without a gap, of equal length. Samples after the last whole segment are left out.
     pub fn add_run(&mut self, signals: [&[f64]; N]) {
         let rows = signals.iter().map(|signal| signal.len()).min().unwrap_or(0);
         let mut start = 0;
@@ -101,7 +101,7 @@ impl<const N: usize> Welch<N> {
         }
     }
 
-    /// Adds the segment with which the signals begin.
+    /// Adds the segment at the beginning of the signals.
     pub fn add(&mut self, signals: [&[f64]; N]) {
         let length = self.length();
         let is_whole =
@@ -115,7 +115,7 @@ impl<const N: usize> Welch<N> {
             for ((input, value), weight) in self.input.iter_mut().zip(signal).zip(&self.window) {
                 *input = (value - mean) * weight;
             }
-            // It fails only for buffers of a wrong length, and these have the right one.
+            // The transform fails only for buffers of a wrong length, and these have the right length.
             if self.fft.process(&mut self.input, lines).is_err() {
                 return;
             }
@@ -131,7 +131,7 @@ impl<const N: usize> Welch<N> {
         }
     }
 
-    /// The average over all segments of signals with this sample time, s; `None` without a segment. Begins anew.
+    /// The average over all segments, of signals with this sample time in s; `None` without a segment. Clears the sums.
     pub fn finish(&mut self, sample_time_s: f64) -> Option<Spectra<N>> {
         let segments = std::mem::take(&mut self.segments);
         let empty = |sums: &Vec<f64>| vec![0.0; sums.len()];

@@ -118,7 +118,7 @@ impl Unit {
         })
     }
 
-    /// The unit of channels that a product is.
+    /// The channel unit that equals a product; `None` if no channel has it.
     pub(crate) fn of(product: Product) -> Option<Self> {
         Self::ALL.into_iter().find(|unit| unit.product() == product)
     }
@@ -147,12 +147,12 @@ impl std::fmt::Display for Unit {
     }
 }
 
-/// How numbers become values of a channel: `factor * number + offset`.
+/// Conversion of numbers into values of a channel: `factor * number + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conversion {
     /// Unit of the channel.
     pub unit: Unit,
-    /// SI units in one of the numbers' unit.
+    /// SI units per unit of the numbers.
     pub factor: f64,
     /// SI value of the number 0.
     pub offset: f64,

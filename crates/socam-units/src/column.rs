@@ -1,34 +1,34 @@
-//! The one rule for the columns of tables, whatever text, program or container they come from.
+//! The one rule for columns of tables from any text, program or container.
 
 use crate::plain::plain_name;
 use crate::spelling::{conversion, is_counts, seconds};
 use crate::{Conversion, Unit};
 
-/// What a column holds, by its name and by the unit that the file states apart from the name.
+/// Content of a column, by its name and by the unit that the file states apart from the name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Name of the channel that it becomes.
+    /// Name of the channel that the column becomes.
     pub name: String,
     /// Its unit as written: the stated one, else the one at the end of its name.
     pub unit: Option<String>,
-    /// What its numbers are.
+    /// Meaning of its numbers.
     pub meaning: Meaning,
-    /// Another unit that the end of the name may mean: `N m` where `torque_N_m` is `torque_N` in m by the rule.
+    /// Another unit that the end of the name may mean: `N m` for `torque_N_m`, which by the rule is `torque_N` in m.
     pub doubt: Option<String>,
     /// Whether its unit is a suffix of one letter or digit, which elsewhere may be an index: `u_m`, `phase_A`, `kp_1`.
     pub is_letter: bool,
 }
 
-/// What the numbers of a column are.
+/// Meaning of the numbers of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Meaning {
     /// Values of a channel, after this conversion.
     Values(Conversion),
-    /// Times, in a unit of so many seconds.
+    /// Times, in a unit of this many seconds.
     Time(f64),
-    /// Numbers that an encoder counts.
+    /// Counts of an encoder.
     Counts,
-    /// Numbers in a unit that is written but unknown, or none of channels.
+    /// Numbers in a unit that is written but unknown, or that no channel has.
     Unknown,
     /// Numbers without a unit.
     Unstated,
@@ -36,13 +36,13 @@ pub enum Meaning {
 
 /// The unit at the end of a column's name.
 struct End<'n> {
-    /// What stands before it.
+    /// The name before the unit.
     bare: &'n str,
     unit: String,
     mark: Mark,
 }
 
-/// What parts a unit from the name before it.
+/// The mark that separates a unit from the name before it.
 #[derive(Clone, Copy, PartialEq)]
 enum Mark {
     /// An underscore, before one of the suffixes of [`Unit`].
@@ -55,7 +55,7 @@ enum Mark {
     Other,
 }
 
-/// Says what a column holds. Every reader asks this function and no other.
+/// Determines what a column holds. Every reader uses this function and no other.
 ///
 /// 1. A name that ends in the suffix of a unit of channels, longest suffix first, is that channel in that unit: `command_V`.
 /// 2. Else it may end in any known unit: in brackets (`Speed [rpm]`), behind an underscore (`torque_mNm`, `speed_deg_per_s`), or behind
@@ -152,19 +152,19 @@ fn ends(name: &str) -> impl Iterator<Item = (&str, &str, Mark)> {
     split.filter(|(bare, unit, _)| !bare.is_empty() && !unit.is_empty())
 }
 
-/// `torque_in`, `x_min`, `run_2` and `motor_U` end in words, numbers and indices, and `time_in_s` is in no inches per second.
+/// `torque_in`, `x_min`, `run_2` and `motor_U` end in words, numbers and indices, and `time_in_s` is not in inches per second.
 fn is_word(end: &str) -> bool {
     let is_index = end.len() == 1 && end != "s";
     let is_inch = end.starts_with("in_") && !end.starts_with("in_per_");
     is_index || is_inch || matches!(end, "in" | "min" | "turn" | "turns" | "rot")
 }
 
-/// What stands before a "per" at the end.
+/// The text before a "per" at the end.
 fn above_per(bare: &str) -> Option<&str> {
     bare.strip_suffix("_per").or_else(|| bare.strip_suffix(" per"))
 }
 
-/// A rate of something unknown, or of counts, which is no time: `litres_per_min`, `vel_counts_s`.
+/// A rate of something unknown, or of counts, which is not a time: `litres_per_min`, `vel_counts_s`.
 fn rate<'n>(bare: &'n str, unit: &str, mark: Mark) -> Option<End<'n>> {
     let whole = above_per(bare);
     let (before, what) = whole.unwrap_or(bare).rsplit_once(['_', ' '])?;
@@ -172,7 +172,7 @@ fn rate<'n>(bare: &'n str, unit: &str, mark: Mark) -> Option<End<'n>> {
     is_rate.then(|| End { bare: before, unit: format!("{what}/{unit}"), mark })
 }
 
-/// What a suffix would mean if a longer end of the name were the unit.
+/// The meaning of a suffix if a longer end of the name is the unit.
 fn doubt(name: &str, end: &End<'_>) -> Option<String> {
     if end.unit == Unit::One.symbol() {
         return None;
@@ -193,7 +193,7 @@ fn doubt(name: &str, end: &End<'_>) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// Name and unit of a column's channel, with the factor; the unit as written where it is none of a channel.
+    /// Name and unit of a column's channel, with the factor; the unit as written if no channel has it.
     fn said(name: &str, stated: Option<&str>) -> String {
         let column = column(name, stated);
         let unit = column.unit.unwrap_or_default();

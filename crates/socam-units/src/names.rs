@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use crate::plain::plain_name;
 use crate::{Column, Conversion, Meaning};
 
-/// Names of the channels of some columns, each with the group of its table (empty where there is one): no two channels share name and
-/// unit. Of columns that would, one in the SI unit keeps the name; the others get that of their group before it, or a number.
+/// Names of the channels of some columns, each given with the group of its table (empty if there is one table). No two channels share name
+/// and unit: among columns that would, one in the SI unit keeps the name; the others get their group's name before it, or a number.
 ///
 /// ```
 /// use socam_units::{column, distinct_names};

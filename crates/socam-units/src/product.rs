@@ -1,4 +1,4 @@
-//! Products of units, as people write them.
+//! Products of units in written form.
 
 use std::fmt;
 use std::ops::{Div, Mul};
@@ -6,7 +6,7 @@ use std::ops::{Div, Mul};
 /// Base units in the order in which they are written.
 const BASES: [&str; 7] = ["N", "V", "A", "K", "m", "rad", "s"];
 
-/// Products with a name of their own. The angle tells work from torque: N m rad is work, N m/s is the slope of a torque.
+/// Products with names of their own. The radian distinguishes work from torque: N m rad is work, N m/s is the slope of a torque.
 const NAMED: [(&str, Product); 4] = [
     ("W", Product::WATT),
     ("W", Product([0, 1, 1, 0, 0, 0, 0])),
@@ -32,7 +32,7 @@ const NAMED: [(&str, Product); 4] = [
 pub struct Product(pub(crate) [i8; 7]);
 
 impl Product {
-    /// No unit at all.
+    /// The product without a unit.
     pub const ONE: Self = Self([0; 7]);
     /// The second.
     pub const SECOND: Self = Self([0, 0, 0, 0, 0, 0, 1]);

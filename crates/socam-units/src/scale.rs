@@ -10,11 +10,11 @@ pub type Dimension = [i8; 4];
 /// A unit that was read: its SI value is `factor * value + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
-    /// SI units in one of it.
+    /// SI units per unit.
     pub factor: f64,
-    /// SI value of zero; other than 0 for temperatures only.
+    /// SI value of zero; it is other than 0 only for temperatures.
     pub offset: f64,
-    /// The SI unit, as it is written.
+    /// The SI unit as written.
     pub product: Product,
     /// Its dimension.
     pub dimension: Dimension,

@@ -1,10 +1,10 @@
-//! Units as other programs spell them.
+//! Units in the spelling of other programs.
 
 use crate::scale::{self, Scale};
 use crate::table::Words;
 use crate::{Conversion, Product, Unit};
 
-/// Spellings that no rule covers, and what they mean.
+/// Spellings that no rule covers, with their meanings.
 const ALIASES: [(&str, &str); 6] = [
     ("1/min", "rpm"),
     ("min^-1", "rpm"),
@@ -14,7 +14,7 @@ const ALIASES: [(&str, &str); 6] = [
     ("-", "1"),
 ];
 
-/// The conversion of a unit into that of a channel, whatever program wrote it; `None` where it is unknown, or is none of a channel.
+/// The conversion of a unit, in the spelling of any program, into that of a channel; `None` if it is unknown or no channel has it.
 ///
 /// ```
 /// use socam_units::{Unit, conversion};
@@ -28,7 +28,7 @@ const ALIASES: [(&str, &str); 6] = [
 pub fn conversion(text: &str) -> Option<Conversion> {
     let plain = plain(text);
     let scale = read(&plain)?;
-    // A strain in mV/V is a pure number, and nobody knows of what.
+    // A strain in mV/V is a pure number of an unknown quantity.
     let is_named = Words::All.row(&plain).is_some();
     let unit = Unit::of(scale.product).filter(|unit| *unit != Unit::One || is_named || plain == "-")?;
     Some(Conversion { unit, factor: scale.factor, offset: scale.offset })
@@ -40,7 +40,7 @@ pub fn seconds(text: &str) -> Option<f64> {
     read(&plain(text)).filter(|scale| scale.product == Product::SECOND).map(|scale| scale.factor)
 }
 
-/// Whether a unit is that of the numbers that an encoder counts.
+/// Whether a unit is that of an encoder's counts.
 #[must_use]
 pub fn is_counts(text: &str) -> bool {
     matches!(
@@ -92,8 +92,8 @@ fn plain(text: &str) -> String {
         .replace("/ ", "/")
 }
 
-/// Quotients in words: `deg _ per _ s` is `deg/s`, as is `deg _ s`, which is how the names of columns write it. Of several slashes all
-/// but the first divide too.
+/// Quotients in words: `deg _ per _ s` is `deg/s`, and so is `deg _ s`, the form in names of columns. If there are several slashes, all
+/// factors after the first one divide.
 fn quotient(text: &str) -> String {
     let mut words: Vec<&str> = text.split(' ').collect();
     let under = words.iter().filter(|word| **word == "_").count();
@@ -158,7 +158,7 @@ mod tests {
         }
         let celsius = conversion("\u{b0}C").map(|c| (c.unit, c.factor, c.offset));
         assert_eq!(celsius, Some((Unit::K, 1.0, 273.15)));
-        // A nanometre, or a torque written carelessly: nobody knows. The others are no units of channels.
+        // `nm` is a nanometre or a torque written carelessly, which cannot be decided. The others are not units of channels.
         for text in ["nm", "Hz", "g", "", "rad s", "N/m", "mV/V", "min/s", "W", "J", "counts/s", "s", "1/s"] {
             assert_eq!(conversion(text), None, "{text}");
         }

@@ -4,12 +4,12 @@ use std::f64::consts::{PI, TAU};
 
 use crate::Product;
 
-/// Which names are read.
+/// Sets of names that are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Words {
-    /// Those of model files, which docs/model-file.md lists.
+    /// Names of model files, which docs/model-file.md lists.
     ModelFile,
-    /// Also those of other programs.
+    /// Also names of other programs.
     All,
 }
 
@@ -154,7 +154,7 @@ impl Words {
         self == Self::All || other == Self::ModelFile
     }
 
-    /// The unit of a name.
+    /// The unit with this name.
     pub(crate) fn row(self, name: &str) -> Option<&'static Row> {
         UNITS.iter().find(|row| row.name == name && self.holds(row.words))
     }

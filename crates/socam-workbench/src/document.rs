@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use socam_answer::Diagnosis;
+use socam_findings::Diagnosis;
 use socam_model::Model;
 use socam_recording::ProfileFile;
 
@@ -90,7 +90,7 @@ pub fn parse(name: &str, text: &str) -> Result<Document, String> {
         let schema = value["schema"].as_str().unwrap_or_default().to_owned();
         let broken = |error: serde_json::Error| format!("{name} says {schema}, but {error}");
         return match schema.as_str() {
-            socam_answer::document::SCHEMA => {
+            socam_findings::document::SCHEMA => {
                 let diagnosis: Diagnosis = serde_json::from_value(value).map_err(broken)?;
                 let model = Model::builtin(&diagnosis.model).map(Box::new);
                 Ok(Document::Diagnosis(Box::new(diagnosis), model))

@@ -1,7 +1,7 @@
 //! The input signal: a sine or a constant within the limits of the thesis' program, or any other profile.
 
 use socam_core::Command;
-use socam_recording::{Course, ProfileFile};
+use socam_recording::{ProfileFile, Waveform};
 
 /// Amplitudes of the sine, V.
 pub const AMPLITUDE_V: [f64; 2] = [0.2, 2.3];
@@ -14,7 +14,7 @@ pub const DURATION_S: [f64; 2] = [1.0, 600.0];
 
 /// Kind of a signal.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Kind {
+pub enum SignalShape {
     /// A sine around an offset.
     Sine,
     /// A constant voltage.
@@ -27,7 +27,7 @@ pub enum Kind {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Kind of signal.
-    pub kind: Kind,
+    pub kind: SignalShape,
     /// Amplitude of the sine, V.
     pub amplitude_v: f64,
     /// Frequency of the sine, Hz.
@@ -43,7 +43,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            kind: Kind::Sine,
+            kind: SignalShape::Sine,
             amplitude_v: 0.4,
             frequency_hz: 1.0,
             offset_v: 1.2,
@@ -81,20 +81,20 @@ impl Settings {
     /// The profile for a board.
     #[must_use]
     pub fn file(&self) -> ProfileFile {
-        let course = match &self.kind {
-            Kind::Sine => Course::Sine {
+        let waveform = match &self.kind {
+            SignalShape::Sine => Waveform::Sine {
                 offset: self.offset_v,
                 amplitude: self.amplitude_v,
                 frequency_hz: self.frequency_hz,
                 periods: None,
             },
-            Kind::Constant => Course::Constant { level: self.level_v },
-            Kind::Other(_, file) => return file.clone(),
+            SignalShape::Constant => Waveform::Constant { level: self.level_v },
+            SignalShape::Other(_, file) => return file.clone(),
         };
         ProfileFile {
             purpose: None,
             command: Command::Voltage,
-            course,
+            waveform,
             ramp_s: 0.25,
             limit: LIMIT_V,
             slew: 20.0,
@@ -106,9 +106,9 @@ impl Settings {
     #[must_use]
     pub fn name(&self) -> String {
         match &self.kind {
-            Kind::Sine => "sine".into(),
-            Kind::Constant => "constant".into(),
-            Kind::Other(name, _) => name.clone(),
+            SignalShape::Sine => "sine".into(),
+            SignalShape::Constant => "constant".into(),
+            SignalShape::Other(name, _) => name.clone(),
         }
     }
 }
@@ -150,24 +150,24 @@ impl Signal {
     pub fn take(&mut self, file: &ProfileFile) -> Result<(), String> {
         file.profile(1000).map_err(|error| error.to_string())?;
         let mut settings = Settings { duration_s: file.duration_s, ..self.settings.clone() };
-        settings.kind = match file.course {
-            Course::Sine { offset, amplitude, frequency_hz, periods: None }
+        settings.kind = match file.waveform {
+            Waveform::Sine { offset, amplitude, frequency_hz, periods: None }
                 if file.command == Command::Voltage =>
             {
                 (settings.offset_v, settings.amplitude_v, settings.frequency_hz) =
                     (offset, amplitude, frequency_hz);
-                Kind::Sine
+                SignalShape::Sine
             }
-            Course::Constant { level } if file.command == Command::Voltage => {
+            Waveform::Constant { level } if file.command == Command::Voltage => {
                 settings.level_v = level;
-                Kind::Constant
+                SignalShape::Constant
             }
-            _ => Kind::Other("opened profile".into(), file.clone()),
+            _ => SignalShape::Other("opened profile".into(), file.clone()),
         };
         let mut limited = settings.clone();
         if limited.limit().is_some() {
             settings = Settings {
-                kind: Kind::Other("opened profile".into(), file.clone()),
+                kind: SignalShape::Other("opened profile".into(), file.clone()),
                 ..self.settings.clone()
             };
         }
@@ -181,7 +181,7 @@ impl Signal {
     /// When there is none of that name.
     pub fn take_built_in(&mut self, name: &str) -> Result<(), String> {
         let file = ProfileFile::open(name).map_err(|error| error.to_string())?;
-        self.change(Settings { kind: Kind::Other(name.into(), file), ..self.settings.clone() });
+        self.change(Settings { kind: SignalShape::Other(name.into(), file), ..self.settings.clone() });
         Ok(())
     }
 
@@ -266,7 +266,7 @@ mod tests {
         assert!(signal.note.as_ref().unwrap().contains("amplitude 9 V"), "{:?}", signal.note);
         signal.change(Settings { frequency_hz: f64::NAN, ..Settings::default() });
         assert_eq!(signal.settings.frequency_hz, 0.05);
-        for kind in [Kind::Sine, Kind::Constant] {
+        for kind in [SignalShape::Sine, SignalShape::Constant] {
             let file = Settings { kind, ..signal.settings.clone() }.file();
             file.profile(1000).unwrap();
         }
@@ -282,9 +282,9 @@ mod tests {
         signal.redo();
         assert_eq!(signal.settings.frequency_hz, 2.5);
         signal.take_built_in("multisine").unwrap();
-        assert!(matches!(&signal.settings.kind, Kind::Other(name, _) if name == "multisine"));
+        assert!(matches!(&signal.settings.kind, SignalShape::Other(name, _) if name == "multisine"));
         signal.paste(&text).unwrap();
-        assert_eq!((signal.settings.kind.clone(), signal.settings.frequency_hz), (Kind::Sine, 2.5));
+        assert_eq!((signal.settings.kind.clone(), signal.settings.frequency_hz), (SignalShape::Sine, 2.5));
         assert!(signal.paste("nonsense").unwrap_err().contains("no input signal"));
     }
 

@@ -110,6 +110,12 @@ impl Recording {
         Dataset::from_columns(&about.name, about.channels.clone(), times, columns.collect()).map_err(sentence)
     }
 
+    /// Whether it has a column of this name.
+    #[must_use]
+    pub fn has_column(&self, name: &str) -> bool {
+        self.about.channels.iter().any(|channel| channel.column_name() == name)
+    }
+
     /// Index of a channel by name.
     #[must_use]
     pub fn channel(&self, name: &str) -> Option<usize> {

@@ -71,7 +71,7 @@ struct Document<'a> {
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let assumed = assumed(&args)?;
     let model = socam_job::load_model(&args.model)?;
-    // A plot is drawn again at no cost; a calibration and a model may have been edited by hand.
+    // An existing plot is always replaced; calibrations and models may have been edited by hand.
     let targets =
         [(&args.write_calibration, args.force), (&args.write_model, args.force), (&args.plot, true)];
     let [calibration_file, model_target, plot_target] = targets

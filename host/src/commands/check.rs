@@ -1,4 +1,4 @@
-//! `check`: whether recordings can carry a fit, before any fit.
+//! `check`: whether recordings are suitable for a fit.
 
 use std::fmt::Write;
 

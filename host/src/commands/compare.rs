@@ -1,4 +1,4 @@
-//! `compare`: a recording beside the output of a simulator.
+//! `compare`: a recording compared with the output of a simulator.
 
 use std::path::PathBuf;
 

@@ -61,8 +61,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let data =
         paths.iter().map(|path| output::open(&path.to_string_lossy())).collect::<Result<Vec<_>, _>>()?;
     let (fitted, held_out) = data.split_at(RUNS.len());
-    let result = watch::fit(&Interrupt::listen(), false, |watch| {
-        let options = Options { watch, ..Options::default() };
+    let result = watch::fit(&Interrupt::listen(), false, |progress| {
+        let options = Options { progress, ..Options::default() };
         socam_identify::output_error(&Problem::new(&model, fitted, options)?)
     })?;
     let test = socam_identify::evaluate(&Problem::new(&model, held_out, Options::default())?, &result.point)?;

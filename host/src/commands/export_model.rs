@@ -96,7 +96,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Packs a unit with the shared library that cargo builds beside this program.
+/// Packs an FMI unit with the shared library that cargo builds next to this program.
 fn unit(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     let default = || Path::new(&args.model).with_extension("fmu");
     let path = args.output.clone().unwrap_or_else(default);

@@ -80,7 +80,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     Ok(outcome)
 }
 
-/// Writes a mapping to complete, and says what it is based on.
+/// Writes a mapping to complete, and prints its basis.
 fn propose(args: &Args) -> anyhow::Result<Outcome> {
     let [run] = args.runs.as_slice() else {
         let problem = format!("--propose takes one recording, not {}", args.runs.len());
@@ -118,7 +118,7 @@ fn read_calibration(path: &Path) -> anyhow::Result<(Calibration, [Attachment; 1]
     Ok((calibration, record::attachment("calibration.toml", text)))
 }
 
-/// A recording that is to be written, and what is stored with it.
+/// A recording to write, with its metadata and attachments.
 struct Log {
     data: Dataset,
     start_unix_ns: u64,
@@ -133,7 +133,7 @@ impl Log {
         Ok(Self { data, start_unix_ns: modified_unix_ns(selection), metadata, attachments: Vec::new() })
     }
 
-    /// A recording that says itself what its numbers are.
+    /// A recording whose file states units and times of all signals.
     fn stated(selection: &Selection) -> anyhow::Result<Self> {
         match socam_import::open_either(selection)? {
             Opened::Own(data) => Self::own(data, selection),

@@ -1,4 +1,4 @@
-//! The commands, one file each. A new one takes its `mod` line and its line in the table below.
+//! The commands, one file each. A new command needs its `mod` line and its line in the table below.
 
 mod calibrate;
 #[cfg(feature = "challenge")]
@@ -76,7 +76,7 @@ pub(crate) struct NotBuilt {
     _any: Vec<std::ffi::OsString>,
 }
 
-/// The error of a command, or an option of one, that this build leaves out.
+/// Error for a command, or an option of one, that this build leaves out.
 #[cfg(not(all(
     feature = "window",
     feature = "fleet",
@@ -108,7 +108,7 @@ macro_rules! commands {
         }
 
         impl Command {
-            /// Runs it.
+            /// Runs the command.
             pub(crate) fn run(self) -> anyhow::Result<Outcome> {
                 match self {
                     $(

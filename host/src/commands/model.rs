@@ -67,7 +67,7 @@ fn text(model: &Model, width: usize) -> String {
     if !model.description.is_empty() {
         text += &format!(": {}", model.description);
     }
-    text += &format!("\n\n{}\n  {}\n", socam_describe::draw(model, width), socam_describe::legend());
+    text += &format!("\n\n{}\n  {}\n", socam_builder::draw(model, width), socam_builder::legend());
     let head = |cells: &[&str]| cells.iter().map(|cell| (*cell).to_owned()).collect::<Vec<_>>();
     let mut rows = vec![head(&["parameter", "value", "unit", "bounds", "", "source"])];
     rows.extend(model.parameters.iter().map(parameter));

@@ -4,7 +4,7 @@ use std::io::{self, BufRead, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use socam_describe::{DescribeError, Description, GRAMMAR, describe};
+use socam_builder::{DescribeError, Description, GRAMMAR, describe};
 use socam_recording::Dataset;
 
 use super::Outcome;
@@ -103,7 +103,7 @@ fn answers(args: &Args, data: Option<&Dataset>) -> anyhow::Result<(String, Vec<S
         if let Some(data) = data {
             output::say(format_args!(
                 "columns of the recording: {}",
-                socam_describe::columns(data).join(", ")
+                socam_builder::columns(data).join(", ")
             ));
         }
         if drives.is_empty() {

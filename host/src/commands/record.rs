@@ -8,8 +8,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use socam_job::{Record, VirtualBench};
 use socam_model::Model;
+use socam_monitoring::{Baseline, Monitor};
 use socam_recording::{Attachment, Calibration, MACHINE_KEY, ProfileFile};
-use socam_watch::{Baseline, Watch};
 
 use super::Outcome;
 use crate::alarms::WatchArgs;
@@ -102,12 +102,12 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     plan.metadata.extend(args.note.clone().map(|note| ("note".into(), note)));
     plan.metadata.extend(args.machine.clone().map(|machine| (MACHINE_KEY.into(), machine)));
     plan.attachments.extend(attachment("model.toml", socam_job::model_text(&args.bench.model)?));
-    // Learning the baseline takes seconds, in which a board would fall silent.
+    // The baseline is computed before the board is opened: it takes seconds, in which nothing is exchanged with the board.
     let watched = watched(&args)?;
     let pace = if args.realtime { Pace::RealTime } else { Pace::Fast };
     let rate_hz = args.record.rate_hz;
     let interrupt = Interrupt::listen();
-    // Stopped, stopped at once; then the board's watchdog stops the bench of a process that has ended.
+    // First interrupt: ramp down. Second: stop at once. Third: the process ends, and the board's watchdog stops the bench.
     interrupt.answer(2);
     let bench = setup.as_ref().map(|setup| (setup.clone(), pace));
     let mut session = device::open(device, bench)?;
@@ -115,8 +115,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     calibrate(&mut plan, &session, setup.map(|setup| setup.calibration).or(calibration), text)?;
     let watch = watched.map(|(model, baseline)| {
         let channels = run::Columns::of(&plan.calibration).channels;
-        let watch = Watch::new(&model, &channels, baseline, args.watch.watching.settings())?;
-        LiveWatch::start(watch, channels.len(), session.is_patient())
+        let monitor = Monitor::new(&model, &channels, baseline, args.watch.watching.settings())?;
+        LiveWatch::start(monitor, channels.len(), session.is_patient())
     });
     let watch = watch.transpose()?;
     let report = run::record_watched(&mut session, plan, &interrupt, watch)?;
@@ -125,7 +125,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     outcome(path, &report)
 }
 
-/// The model and the baseline of the watch, if one is wanted.
+/// The model and the baseline of the monitoring, if it is requested.
 fn watched(args: &Args) -> anyhow::Result<Option<(Model, Option<Baseline>)>> {
     let Some(name) = &args.watched else {
         if args.watch.is_set() {

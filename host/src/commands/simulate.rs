@@ -42,7 +42,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
-    let kind = args.output.as_deref().map(Kind::of).transpose()?;
+    let kind = args.output.as_deref().map(OutputFormat::of).transpose()?;
     if let (Some(input), Some(path)) = (&args.input, &args.output) {
         output::check_target(path, &Selection::parse(input)?.path, true)?;
     }
@@ -55,12 +55,12 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
 
 /// Format of the output, by its extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum OutputFormat {
     Mcap,
     Csv,
 }
 
-impl Kind {
+impl OutputFormat {
     fn of(path: &Path) -> anyhow::Result<Self> {
         match path.extension().and_then(|extension| extension.to_str()) {
             Some("mcap") => Ok(Self::Mcap),
@@ -74,7 +74,7 @@ impl Kind {
 }
 
 /// Records the virtual bench into a temporary file, which is moved to its path once it is complete.
-fn simulate(args: &Args, path: &Path, kind: Kind) -> anyhow::Result<Outcome> {
+fn simulate(args: &Args, path: &Path, kind: OutputFormat) -> anyhow::Result<Outcome> {
     let part = temporary_beside(path)?;
     // The recorder creates it anew, under this name.
     std::fs::remove_file(&part).with_context(|| format!("cannot write `{}`", path.display()))?;
@@ -84,10 +84,10 @@ fn simulate(args: &Args, path: &Path, kind: Kind) -> anyhow::Result<Outcome> {
         anyhow::bail!("the virtual board ended the run: {reason}; `{}` is not written", path.display());
     }
     match kind {
-        Kind::Mcap => {
+        OutputFormat::Mcap => {
             part.persist(path).with_context(|| format!("cannot write `{}`", path.display()))?;
         }
-        Kind::Csv => export_csv(&Dataset::open_selection(&Selection::whole(&part))?, path)?,
+        OutputFormat::Csv => export_csv(&Dataset::open_selection(&Selection::whole(&part))?, path)?,
     }
     Interrupt::listen().unfinished(None);
     record::tell(path, &report, args.task.record.rate_hz, args.json)?;
@@ -109,7 +109,7 @@ pub(crate) fn simulate_into(record: &Record, bench: &VirtualBench, path: &Path) 
 }
 
 /// Drives the model by the inputs of a recording.
-fn compare(args: &Args, input: &str, kind: Option<Kind>) -> anyhow::Result<Outcome> {
+fn compare(args: &Args, input: &str, kind: Option<OutputFormat>) -> anyhow::Result<Outcome> {
     let model = args.task.bench.load()?;
     let (data, mut done) = args.task.replay(&model, |grid| output::open_on(grid, input))?;
     if let (Some(path), Some(kind)) = (&args.output, kind) {
@@ -125,10 +125,10 @@ fn compare(args: &Args, input: &str, kind: Option<Kind>) -> anyhow::Result<Outco
     Ok(Outcome::on([&data]))
 }
 
-fn write(simulated: &Dataset, path: &Path, kind: Kind) -> anyhow::Result<()> {
+fn write(simulated: &Dataset, path: &Path, kind: OutputFormat) -> anyhow::Result<()> {
     match kind {
-        Kind::Csv => export_csv(simulated, path)?,
-        Kind::Mcap => {
+        OutputFormat::Csv => export_csv(simulated, path)?,
+        OutputFormat::Mcap => {
             let metadata = [("device".to_owned(), "simulation".to_owned())].into();
             import_mcap(simulated, 0, metadata, Vec::new(), path)?;
         }

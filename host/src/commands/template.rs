@@ -16,14 +16,14 @@ use crate::output::WrongArguments;
   socam-host template profile chirp > profile.toml")]
 pub(crate) struct Args {
     /// Kind of template
-    kind: Kind,
+    kind: TemplateKind,
     /// Embedded model (speed-o-cam, two-mass, emps, emps-loop) or built-in profile (`record --list-profiles`) [default: the default
     /// one of its kind]
     name: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum Kind {
+enum TemplateKind {
     Model,
     Calibration,
     Profile,
@@ -31,13 +31,13 @@ enum Kind {
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let text = match (args.kind, args.name.as_deref()) {
-        (Kind::Model, name) => socam_job::model_text(name.unwrap_or("speed-o-cam"))?,
-        (Kind::Calibration, None) => Calibration::default_text().to_owned(),
-        (Kind::Calibration, Some(name)) => {
+        (TemplateKind::Model, name) => socam_job::model_text(name.unwrap_or("speed-o-cam"))?,
+        (TemplateKind::Calibration, None) => Calibration::default_text().to_owned(),
+        (TemplateKind::Calibration, Some(name)) => {
             let problem = format!("`{name}`: there is one calibration to start from, and it needs no name");
             return Err(WrongArguments(problem).into());
         }
-        (Kind::Profile, name) => ProfileFile::open(name.unwrap_or("multisine"))?.to_toml(),
+        (TemplateKind::Profile, name) => ProfileFile::open(name.unwrap_or("multisine"))?.to_toml(),
     };
     output::print(&text)?;
     Ok(Outcome::Done)

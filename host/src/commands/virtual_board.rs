@@ -143,7 +143,7 @@ impl Server<'_, '_> {
     }
 
     fn accept(&mut self, stream: TcpStream) -> anyhow::Result<()> {
-        // One that has left again is noticed when it is read.
+        // A host that has already disconnected is noticed when it is read.
         let from = stream.peer_addr().map_or_else(|_| "that left".to_owned(), |address| address.to_string());
         output::say(format_args!("host {from} connected"));
         stream.set_nonblocking(false)?;

@@ -1,8 +1,8 @@
-//! `watch`: a recorded bench beside its model, with alarms.
+//! `watch`: monitors recordings against a model and raises alarms.
 
 use socam_job::{Grid, ModelSettings, Watch};
+use socam_monitoring::{Document, Event, Watched};
 use socam_recording::Dataset;
-use socam_watch::{Document, Event, Watched};
 
 use super::Outcome;
 use crate::alarms::{self, WatchArgs};

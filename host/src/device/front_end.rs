@@ -20,7 +20,7 @@ pub(crate) fn default_calibration(front_end: &FrontEnd) -> anyhow::Result<(Strin
     Ok((text, calibration))
 }
 
-/// A calibration for other converters would read every count wrong by a few per cent.
+/// Refuses a calibration for other converters, which would read every count wrong by a few per cent.
 pub(crate) fn check(calibration: &Calibration, front_end: &FrontEnd) -> anyhow::Result<()> {
     for (table, converter, uv) in [
         ("input", calibration.input, front_end.input_full_scale_uv),

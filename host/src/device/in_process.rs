@@ -1,4 +1,4 @@
-//! A virtual board in this process, behind the same bytes as a real one.
+//! A virtual board in this process, with the byte protocol of a real one.
 //!
 //! Board and host alternate: each read advances the board's clock by one turn. So every run is the same, a slow host loses no
 //! sample, and simulated time passes as fast as the machine allows, or in real time.
@@ -74,7 +74,7 @@ fn serve(
 impl Read for InProcess {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if self.read == self.incoming.len() {
-            // A board that has ended takes nothing any more, and has left its reason.
+            // A board that has ended accepts nothing; its error is read below.
             let _ = self.to_board.send(std::mem::take(&mut self.outgoing));
             let answer = self.from_board.recv();
             let answer = answer.map_err(|_| io::Error::other("the virtual board is gone"))?;

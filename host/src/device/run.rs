@@ -83,7 +83,7 @@ pub(crate) fn record_watched(
     report
 }
 
-/// Loads the plan's calibration and profile, and arms the board: it watches all limits, and nothing moves.
+/// Loads the plan's calibration and profile, and arms the board: it monitors all limits, and nothing moves.
 #[cfg(feature = "window")]
 pub(crate) fn arm(session: &mut Session, plan: &Plan) -> anyhow::Result<()> {
     prepare(session, plan)?;

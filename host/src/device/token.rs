@@ -1,4 +1,4 @@
-//! The token by which a virtual board on a network knows its hosts.
+//! The token by which a virtual board on a network recognises its hosts.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -42,12 +42,12 @@ impl Token {
         Ok(Self(text.to_owned()))
     }
 
-    /// The line by which a host gives it.
+    /// The line with which a host sends the token.
     pub(crate) fn line(&self) -> String {
         format!("{TOKEN_LINE}{}\n", self.0)
     }
 
-    /// Whether a line gives it; takes the same time wherever it differs.
+    /// Whether a line contains the token; takes the same time wherever they differ.
     pub(crate) fn is_given_by(&self, line: &[u8]) -> bool {
         let own = self.line();
         let differences = own.bytes().zip(line).fold(0, |sum, (a, b)| sum | (a ^ b));

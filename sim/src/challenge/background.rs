@@ -1,8 +1,8 @@
-//! Imperfections that every real bench has and no case names as hidden.
+//! Imperfections that every real bench has and that no case counts as hidden.
 
 use serde::{Deserialize, Serialize};
 
-use super::laws::{Acting, Kind};
+use super::laws::{Acting, LawKind};
 use super::machine::{Drive, Machine};
 use super::motion::loose_inertia;
 use super::random::Draw;
@@ -68,7 +68,7 @@ impl Background {
     pub(super) fn unmodelled(&self) -> Unmodelled {
         let friction =
             self.friction.iter().zip(&self.bristles).map(|((place, torque), (bend, speed))| Acting {
-                kind: Kind::Bristles,
+                kind: LawKind::Bristles,
                 place: place.clone(),
                 parameters: vec![*torque, Self::BREAKAWAY * torque, *speed, *bend],
             });
@@ -101,7 +101,7 @@ impl Background {
         }
     }
 
-    /// Effects of the catalogue that the background has, with their places: a diagnosis that names one is right.
+    /// Effects of the catalogue in the background, with their places: a diagnosis that names one is right.
     #[must_use]
     pub fn named(&self) -> Vec<(&'static str, &str)> {
         let friction = self.friction.iter().flat_map(|(place, _)| {

@@ -2,7 +2,7 @@
 
 use super::families::FAMILIES;
 use super::hidden;
-use super::kind::Kind;
+use super::kind::CaseKind;
 use super::machine::{Drive, Machine};
 use super::profile::{self, Profile, Shape};
 use super::random::Draw;
@@ -14,17 +14,17 @@ pub(super) type Chosen = (&'static str, String);
 
 /// The machine of a case and its hidden effects with their places, without simulating anything.
 pub(super) fn outline(number: u64, draw: &mut Draw) -> (Machine, Vec<Chosen>) {
-    let (kind, turn) = Kind::turn(number);
+    let (kind, turn) = CaseKind::turn(number);
     let named = |index: u64| hidden::NAMED[(index % hidden::NAMED.len() as u64) as usize];
     let outside = |index: u64| hidden::OUTSIDE[(index % hidden::OUTSIDE.len() as u64) as usize];
     loop {
         let (_, family) = draw.one_of(&FAMILIES);
         let machine = family(draw);
         let effects = match kind {
-            Kind::Clean => vec![],
-            Kind::Single => vec![named(turn)],
-            Kind::Outside => vec![outside(turn)],
-            Kind::Double => vec![named(turn), named(draw.whole(0, hidden::NAMED.len() as u64 - 1))],
+            CaseKind::Clean => vec![],
+            CaseKind::Single => vec![named(turn)],
+            CaseKind::Outside => vec![outside(turn)],
+            CaseKind::Double => vec![named(turn), named(draw.whole(0, hidden::NAMED.len() as u64 - 1))],
         };
         if let Some(chosen) = choose(&machine, &effects, draw) {
             return (machine, chosen);

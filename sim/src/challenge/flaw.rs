@@ -42,9 +42,9 @@ pub(crate) enum Flaw {
 }
 
 /// Id, names of the parameters, constructor from their values.
-type Kind = (&'static str, &'static [&'static str], fn(&[f64]) -> Flaw);
+type FlawForm = (&'static str, &'static [&'static str], fn(&[f64]) -> Flaw);
 
-const KINDS: [Kind; 7] = [
+const FLAWS: [FlawForm; 7] = [
     ("sensor_gain", &["gain"], |p| Flaw::Gain { gain: p[0] }),
     ("sensor_offset", &["offset"], |p| Flaw::Offset { offset: p[0] }),
     ("sensor_lag", &["time_constant"], |p| Flaw::Lag { time_constant_s: p[0] }),
@@ -68,7 +68,7 @@ const OPTIONAL: &str = "phase";
 impl Flaw {
     /// The ids of all flaws.
     pub(crate) fn ids() -> impl Iterator<Item = &'static str> {
-        KINDS.iter().map(|(id, ..)| *id)
+        FLAWS.iter().map(|(id, ..)| *id)
     }
 
     /// Whether an effect's id is that of a sensor's flaw.
@@ -78,7 +78,7 @@ impl Flaw {
 
     pub(crate) fn read(hidden: &Concealed) -> Result<Self, SimError> {
         let fail = |problem: String| SimError::argument(hidden.to_string(), problem);
-        let Some((id, names, make)) = KINDS.iter().find(|(id, ..)| *id == hidden.effect) else {
+        let Some((id, names, make)) = FLAWS.iter().find(|(id, ..)| *id == hidden.effect) else {
             let known: Vec<_> = Self::ids().collect();
             return Err(fail(format!(
                 "there is no effect `{}`; a sensor's are {}",

@@ -1,5 +1,5 @@
-//! Dormand and Prince's Runge-Kutta pair of orders 5 and 4: the truth's integrator, which shares nothing with that of the
-//! identification (exponential steps) or of the virtual bench (backward differentiation).
+//! Dormand and Prince's Runge-Kutta pair of orders 5 and 4: the truth's integrator. It shares no code with that of the identification
+//! (exponential steps) or of the virtual bench (diagonally implicit steps).
 
 /// Relative tolerance of a step, to the largest magnitude that a state has had.
 const TOLERANCE: f64 = 1e-7;

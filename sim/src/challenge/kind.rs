@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Kind of what is hidden in a case.
+/// Kind of the hidden effects of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum CaseKind {
     /// Nothing.
     Clean,
     /// One effect of the catalogue.
@@ -17,16 +17,16 @@ pub enum Kind {
 }
 
 /// Kinds of twenty consecutive pairs of cases; the first of a pair has no background, the second one is realistic.
-const KINDS: [Kind; 20] = {
-    use Kind::{Clean, Double, Outside, Single};
+const KINDS: [CaseKind; 20] = {
+    use CaseKind::{Clean, Double, Outside, Single};
     [
         Clean, Single, Double, Clean, Single, Outside, Clean, Single, Clean, Double, Single, Clean, Single,
         Clean, Outside, Single, Clean, Double, Single, Clean,
     ]
 };
 
-impl Kind {
-    /// Kind of a case, and how many pairs of the same kind come before it.
+impl CaseKind {
+    /// Kind of a case, and the number of pairs of the same kind before it.
     pub(super) fn turn(number: u64) -> (Self, u64) {
         let pair = number / 2;
         let (block, place) = (pair / KINDS.len() as u64, (pair % KINDS.len() as u64) as usize);

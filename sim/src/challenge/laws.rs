@@ -9,7 +9,7 @@ pub(super) const MOST_STATES: usize = SLIDERS.len();
 /// A law at a place, with its parameters, SI.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Acting {
-    pub(super) kind: Kind,
+    pub(super) kind: LawKind,
     /// Place name: a node, bearing, spring, shaft or gear.
     pub(super) place: String,
     pub(super) parameters: Vec<f64>,
@@ -25,14 +25,14 @@ pub(super) enum Site {
 /// A law in the equations of motion.
 #[derive(Debug, Clone)]
 pub(super) struct Law {
-    pub(super) kind: Kind,
+    pub(super) kind: LawKind,
     pub(super) site: Site,
     pub(super) parameters: Vec<f64>,
     /// Index of its first state.
     pub(super) first: usize,
 }
 
-/// The inputs of a law.
+/// The input values of a law.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Seen {
     pub(super) time_s: f64,
@@ -65,7 +65,7 @@ impl Through {
 
 /// Laws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum LawKind {
     /// LuGre friction (Canudas de Wit et al. 1995): torque at speed, torque at standstill, Stribeck speed, and deflection of the
     /// bristles at slip.
     Bristles,
@@ -93,7 +93,7 @@ pub(super) enum Kind {
     Loss,
     /// Play with damped flanks (Hunt and Crossley 1975): gap, restitution time.
     Play,
-    /// Play that is wide at one angle and none at the other: gap, restitution time, phase.
+    /// Play that is widest at one angle and nearly zero at the opposite one: mean gap, restitution time, phase.
     AnglePlay,
     /// An eccentric gear: order, amplitude, phase.
     Eccentric,
@@ -115,7 +115,7 @@ const SLIP_POWER: i32 = 8;
 /// Damping of the bristles at low speed, relative to their stiffness, s.
 const BRISTLE_DAMPING_S: f64 = 2e-4;
 
-impl Kind {
+impl LawKind {
     /// Number of states of a law.
     pub(super) fn states(self) -> usize {
         match self {
@@ -140,7 +140,7 @@ fn step(x: f64, width: f64) -> f64 {
 pub(super) fn on_node(law: &Law, seen: &Seen, state: &[f64], rates: &mut [f64]) -> f64 {
     let (p, speed) = (&law.parameters[..], seen.speed);
     match law.kind {
-        Kind::Bristles => {
+        LawKind::Bristles => {
             let ratio = speed / p[2];
             let level = p[0] + (p[1] - p[0]) * (-ratio * ratio).exp();
             let stiffness = p[0] / p[3];
@@ -149,22 +149,22 @@ pub(super) fn on_node(law: &Law, seen: &Seen, state: &[f64], rates: &mut [f64]) 
             let share = speed / (0.1 * p[2]);
             -(stiffness * state[0] + stiffness * BRISTLE_DAMPING_S / (1.0 + share * share) * rate)
         }
-        Kind::Drag => -p[0] * speed * speed.hypot(p[1]),
-        Kind::WarmingUp => -p[0] * p[1] * seen.time_s * speed,
-        Kind::Direction => {
+        LawKind::Drag => -p[0] * speed * speed.hypot(p[1]),
+        LawKind::WarmingUp => -p[0] * p[1] * seen.time_s * speed,
+        LawKind::Direction => {
             let sign = sign(speed, p[2]);
             -0.5 * (p[0] * sign * sign + p[1] * speed * sign)
         }
-        Kind::Constant => p[0],
-        Kind::Shake => p[0] * (TAU * p[1] * seen.time_s + p[2]).sin(),
-        Kind::AngleTorque => p[0] * (p[1] * seen.angle + p[2]).sin(),
-        Kind::EddyBrake => {
+        LawKind::Constant => p[0],
+        LawKind::Shake => p[0] * (TAU * p[1] * seen.time_s + p[2]).sin(),
+        LawKind::AngleTorque => p[0] * (p[1] * seen.angle + p[2]).sin(),
+        LawKind::EddyBrake => {
             let share = speed / p[1];
             -2.0 * p[0] * share / (1.0 + share * share)
         }
-        Kind::LatePad => -p[0] * sign(speed, p[2]) * step(seen.time_s - p[1], 0.05),
-        Kind::AngleDrag => -p[0] * sign(speed, p[2]) * (3.0 * ((seen.angle + p[1]).cos() - 1.0)).exp(),
-        Kind::WearingIn => {
+        LawKind::LatePad => -p[0] * sign(speed, p[2]) * step(seen.time_s - p[1], 0.05),
+        LawKind::AngleDrag => -p[0] * sign(speed, p[2]) * (3.0 * ((seen.angle + p[1]).cos() - 1.0)).exp(),
+        LawKind::WearingIn => {
             rates[0] = speed.abs();
             -p[0] * sign(speed, p[2]) * (-state[0] / p[1]).exp()
         }
@@ -176,27 +176,27 @@ pub(super) fn on_node(law: &Law, seen: &Seen, state: &[f64], rates: &mut [f64]) 
 pub(super) fn at_spring(law: &Law, seen: &Seen, state: &[f64], rates: &mut [f64], through: &mut Through) {
     let p = &law.parameters[..];
     match law.kind {
-        Kind::Loss => {
+        LawKind::Loss => {
             let torque = through.torque;
             through.drag -= p[0] * torque * (torque / p[2]).tanh() * sign(seen.speed, p[1]);
         }
-        Kind::Play => through.torque = flanks(seen, 0.5 * p[0], p[1]),
-        Kind::AnglePlay => {
+        LawKind::Play => through.torque = flanks(seen, 0.5 * p[0], p[1]),
+        LawKind::AnglePlay => {
             let half = 0.5 * p[0] * (1.0 + 0.95 * (seen.angle / seen.ratio + p[2]).sin());
             through.torque = flanks(seen, half, p[1]);
         }
-        Kind::Eccentric => {
+        LawKind::Eccentric => {
             let (sin, cos) = (p[0] * seen.angle + p[2]).sin_cos();
             through.torque += p[1] * (seen.stiffness * sin + seen.damping * cos * p[0] * seen.fast_speed);
         }
-        Kind::Hardening => {
+        LawKind::Hardening => {
             let square = seen.twist * seen.twist;
             through.torque += seen.stiffness * seen.twist * square * (p[0] + p[1] * square);
         }
-        Kind::Loosening => {
+        LawKind::Loosening => {
             through.torque -= p[0] * step(seen.time_s - p[1], 0.02) * seen.stiffness * seen.twist;
         }
-        Kind::Sliders => {
+        LawKind::Sliders => {
             let stiffness = p[0] / (p[1] * SLIDERS.len() as f64);
             for ((state, rate), share) in state.iter().zip(rates).zip(SLIDERS) {
                 let full = state / (share * p[1]);
@@ -204,7 +204,7 @@ pub(super) fn at_spring(law: &Law, seen: &Seen, state: &[f64], rates: &mut [f64]
                 through.torque += stiffness * state;
             }
         }
-        Kind::Slip => {
+        LawKind::Slip => {
             let full = seen.stiffness * state[0] / p[0];
             rates[0] = slide(seen.twist_rate, full, SLIP_POWER);
             through.torque = seen.stiffness * state[0] + seen.damping * rates[0];

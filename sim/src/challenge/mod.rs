@@ -33,7 +33,7 @@ pub use background::Background;
 use draw::{noise, outline, runs};
 use families::FAMILIES;
 pub use hidden::Hidden;
-pub use kind::Kind;
+pub use kind::CaseKind;
 pub use machine::{
     Bearing, Control, Drive, Input, Machine, Measure, Node, Parameter, Sensor, Sort, Spring, Tie,
 };
@@ -63,7 +63,7 @@ pub struct Case {
     /// Number of the case among those of the seed.
     pub number: u64,
     /// Kind of the hidden effects.
-    pub kind: Kind,
+    pub kind: CaseKind,
     /// Whether it has a background.
     pub realistic: bool,
     /// The hidden effects; none in a clean case.
@@ -95,7 +95,7 @@ pub fn is_realistic(number: u64) -> bool {
     number % 2 == 1
 }
 
-/// The family of a case's machine, without drawing the rest.
+/// The family of a case's machine; nothing else is drawn.
 #[must_use]
 pub fn family_of(seed: u64, number: u64) -> String {
     outline(number, &mut Draw::new(seed, number)).0.family
@@ -105,7 +105,7 @@ impl Case {
     /// Case `number` of a seed.
     ///
     /// # Errors
-    /// When the motion diverges, which no machine's should.
+    /// When the motion diverges, which must not happen for any machine.
     pub fn draw(seed: u64, number: u64) -> Result<Self, SimError> {
         let draw = &mut Draw::new(seed, number);
         let (mut machine, chosen) = outline(number, draw);
@@ -125,7 +125,7 @@ impl Case {
         Ok(Self {
             seed,
             number,
-            kind: Kind::of(number),
+            kind: CaseKind::of(number),
             realistic: is_realistic(number),
             hidden,
             machine,
@@ -136,10 +136,10 @@ impl Case {
         })
     }
 
-    /// The model that a diagnosis starts from; it holds nothing of the truth.
+    /// The model that a diagnosis starts from; it contains nothing of the truth.
     ///
     /// # Errors
-    /// When it cannot move, which every machine's can.
+    /// When the model cannot move, which must not happen for any machine.
     pub fn base(&self) -> Result<Model, SimError> {
         Ok(Model::parse(&self.machine.model_file())?)
     }
@@ -147,7 +147,7 @@ impl Case {
     /// The case with the same machine, background, noise and profiles, but nothing hidden.
     #[must_use]
     pub fn without_hidden(&self) -> Self {
-        Self { hidden: Vec::new(), kind: Kind::Clean, ..self.clone() }
+        Self { hidden: Vec::new(), kind: CaseKind::Clean, ..self.clone() }
     }
 
     /// Standard deviation of a channel's noise and encoder quantisation together, SI.

@@ -6,7 +6,7 @@ use super::simulate::Run;
 use super::unmodelled::Unmodelled;
 use crate::SimError;
 
-/// Root mean squares over one recording with nothing hidden; peaks where named so.
+/// Root mean squares over one recording with nothing hidden; largest values where stated.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scales {
     /// Largest torque on each node's body, N m.

@@ -13,10 +13,15 @@ fn drawing_depends_on_seed_and_number_alone() {
 #[test]
 fn every_forty_cases_hold_the_same_kinds_clean_and_realistic() {
     for realistic in [false, true] {
-        let of = |kind: Kind| {
-            (0..40).filter(|number| is_realistic(*number) == realistic && Kind::of(*number) == kind).count()
+        let of = |kind: CaseKind| {
+            (0..40)
+                .filter(|number| is_realistic(*number) == realistic && CaseKind::of(*number) == kind)
+                .count()
         };
-        assert_eq!([Kind::Clean, Kind::Single, Kind::Double, Kind::Outside].map(of), [8, 7, 3, 2]);
+        assert_eq!(
+            [CaseKind::Clean, CaseKind::Single, CaseKind::Double, CaseKind::Outside].map(of),
+            [8, 7, 3, 2]
+        );
     }
 }
 
@@ -27,10 +32,10 @@ fn all_families_and_all_effects_get_their_turn() {
         assert!(drawn.iter().any(|(_, (machine, _))| machine.family == family), "{family}");
     }
     for (number, (_, chosen)) in &drawn {
-        let expected = match Kind::of(*number) {
-            Kind::Clean => 0,
-            Kind::Single | Kind::Outside => 1,
-            Kind::Double => 2,
+        let expected = match CaseKind::of(*number) {
+            CaseKind::Clean => 0,
+            CaseKind::Single | CaseKind::Outside => 1,
+            CaseKind::Double => 2,
         };
         assert_eq!(chosen.len(), expected);
     }
@@ -45,7 +50,7 @@ fn all_families_and_all_effects_get_their_turn() {
     assert!(hidden::NAMED.iter().all(|effect| socam_model::effects::find(effect).is_some()));
 }
 
-/// A short quiet case of a family with this hidden, and its first recording's columns.
+/// The columns of the first recording of a case with these hidden effects and without noise.
 fn recorded(case: &Case, hidden: Vec<Hidden>) -> Vec<Vec<f64>> {
     let mut case = Case { hidden, noise_std: Vec::new(), training: 1, ..case.clone() };
     case.runs.truncate(1);
@@ -66,17 +71,17 @@ fn everything_that_can_be_hidden_in_a_family_runs_and_shows() {
         let case = Case {
             runs,
             machine,
-            ..Case { kind: Kind::Single, background: Background::default(), ..Case::draw(1, 0).unwrap() }
+            ..Case { kind: CaseKind::Single, background: Background::default(), ..Case::draw(1, 0).unwrap() }
         };
         let plain = recorded(&case, Vec::new());
-        // The default bench's massless points take the truth's integrator many small steps.
+        // With the default bench's massless points, the truth's integrator needs many small steps.
         let effects: Vec<_> = match family {
             "speed-o-cam" => vec!["backlash", "missing_compliance"],
             // Each family is tested with a third of the effects, so that each effect is tested in three families.
             _ => hidden::NAMED.into_iter().chain(hidden::OUTSIDE).skip(turn % 3).step_by(3).collect(),
         };
         for effect in effects {
-            // The first place will do: all places share the law.
+            // One place suffices, because all places share the law.
             for place in hidden::places(&case.machine, effect).into_iter().take(1) {
                 let hidden = hidden::hide(effect, &place, &case.machine, &scales, draw);
                 let shown = recorded(&case, vec![hidden.clone()]);

@@ -10,7 +10,7 @@ use diffsol::{
     NalgebraLU, NalgebraMat, NonLinearOp, OdeBuilder, OdeSolverMethod, OdeSolverProblem, RkState, Sdirk,
     Tableau,
 };
-use socam_model::{Equations, Model, Motion as Kind};
+use socam_model::{Equations, Model, Motion as MotionKind};
 
 use crate::SimError;
 use motion::Motion;
@@ -76,10 +76,10 @@ impl Plant {
     ///
     /// # Errors
     /// [`SimError::Solver`] where the solver refuses them.
-    pub fn from_equations(equations: &Equations, values: &[f64], kind: Kind) -> Result<Self, SimError> {
+    pub fn from_equations(equations: &Equations, values: &[f64], kind: MotionKind) -> Result<Self, SimError> {
         let (angle, speed) = match kind {
-            Kind::Rotation => ROTATION_TOLERANCES,
-            Kind::Translation => TRANSLATION_TOLERANCES,
+            MotionKind::Rotation => ROTATION_TOLERANCES,
+            MotionKind::Translation => TRANSLATION_TOLERANCES,
         };
         let speeds: Vec<bool> =
             equations.state_names.iter().map(|name| name.starts_with("speed of")).collect();
@@ -131,7 +131,7 @@ impl Plant {
 }
 
 impl Plant {
-    /// Refuses to take over the motion of a drivetrain that lacks one of this one's bodies: nothing says where that body would be.
+    /// Refuses to continue the motion of a drivetrain that lacks one of this one's bodies: the state of that body would be unknown.
     pub(crate) fn check_change(&self, before: &Self) -> Result<(), SimError> {
         let moves =
             |name: &&String| ["angle of", "wind-up of", "speed of"].iter().any(|kind| name.starts_with(kind));

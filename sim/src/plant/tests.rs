@@ -69,7 +69,7 @@ fn dry_friction_agrees_with_tiny_steps() {
     let mut x = DVector::zeros(equations.state.nrows());
     let mut worst = 0.0f64;
     for sample in 0..400 {
-        // Reverses and stands still on the way.
+        // The motion reverses and stands still in between.
         let torque = 1.2 * (sample as f64 * 0.05).sin();
         trajectory.hold((sample + 1) as f64 * period_s, &[torque]).unwrap();
         for _ in 0..parts {
@@ -81,7 +81,7 @@ fn dry_friction_agrees_with_tiny_steps() {
     assert!(worst < 2e-5, "{worst}");
 }
 
-/// Classical Runge-Kutta with steps far below every time constant.
+/// Classical Runge-Kutta with steps much shorter than every time constant.
 struct Reference<'a> {
     equations: &'a Equations,
     parameters: Vec<f64>,
@@ -113,7 +113,7 @@ impl<'a> Reference<'a> {
 
 #[test]
 fn a_ramped_input_is_followed_without_lag() {
-    // A mass alone: x'' = F/m with F rising along a straight line has an exact answer.
+    // A single mass: x'' = F/m with F linear in time has an exact solution.
     let truth = Truth::new(&Model::builtin("emps").unwrap(), &[], &[]).unwrap();
     let zero = ["viscous=0", "coulomb=0", "offset=0"].map(|text| text.parse().unwrap());
     let truth = Truth::new(&truth.model, &zero, &[]).unwrap();

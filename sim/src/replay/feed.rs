@@ -10,7 +10,7 @@ use crate::plant::Trajectory;
 /// An input of the equations as a sum of columns, each with the channel that reads it.
 pub(super) type Mix = Vec<(usize, Channel)>;
 
-/// The recording in the model's terms: SI, one list per input and per output (NaN where nothing was measured).
+/// The recording in the model's channels: SI, one list per input and per output (NaN where nothing was measured).
 #[derive(Debug)]
 pub(super) struct Feed {
     pub(super) time_s: Vec<f64>,

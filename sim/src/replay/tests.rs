@@ -10,7 +10,7 @@ fn replay(model: &str) -> Replay {
     Replay { truth, disturbances: Vec::new(), start: Start::Fitted }
 }
 
-/// A recording that a drivetrain made itself, in motion from its first sample on.
+/// A simulated recording of the drivetrain itself, which moves from the first sample on.
 fn own_recording(model: &str, first: &[f64]) -> Dataset {
     let replay = replay(model);
     let plant = Plant::new(&replay.truth.model, &replay.truth.values).unwrap();
@@ -95,15 +95,15 @@ fn the_published_loop_meets_the_published_errors() {
         (percent("position"), percent("force"))
     };
     let mut axis = replay("emps-loop");
-    // The publication's friction jumps at standstill; the model's default rounds the jump over 2 mm/s for the estimators' sake,
-    // which costs 0.7 percentage points of the force.
+    // The publication's friction is discontinuous at standstill; the model's default rounds the discontinuity over 2 mm/s for the
+    // estimators, which costs 0.7 percentage points of the force.
     let sharp = ["guide.transition_speed=0.0005".parse().unwrap()];
     axis.truth = Truth::new(&axis.truth.model, &sharp, &[]).unwrap();
     let (position, force) = errors(&axis, "emps_train.csv");
     assert!((0.001..0.0138).contains(&position) && (5.4..5.9).contains(&force), "{position} {force}");
     let (position, _) = errors(&axis, "emps_test_pulses.csv");
     assert!(position > 0.008, "the pulses do not matter: {position}");
-    // The pulses are volts, added behind the controller and its limit.
+    // The pulses are voltages, added after the controller and its limit.
     axis.disturbances = vec!["pulse_force_N@servo".parse().unwrap()];
     let (position, force) = errors(&axis, "emps_test_pulses.csv");
     assert!((0.001..0.008).contains(&position) && (8.0..10.5).contains(&force), "{position} {force}");

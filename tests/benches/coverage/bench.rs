@@ -61,8 +61,8 @@ impl Bench {
         let period_us = PERIOD_US / self.oversample;
         let mut last = String::new();
         for _ in 0..ATTEMPTS {
-            let course = profile.profile(period_us).map_err(|error| error.to_string())?;
-            match setup.record(name, &course, period_us) {
+            let waveform = profile.profile(period_us).map_err(|error| error.to_string())?;
+            match setup.record(name, &waveform, period_us) {
                 Ok(data) => return thinned(data, self.oversample as usize),
                 Err(error @ SimError::Fault { .. }) => last = error.to_string(),
                 Err(error) => return Err(error.to_string()),

@@ -2,7 +2,7 @@
 
 use socam_core::{Command, scaling::MotorCalibration};
 use socam_model::Model;
-use socam_recording::{Course, ProfileFile};
+use socam_recording::{ProfileFile, Waveform};
 use socam_tests::Draw;
 
 /// The kind of bench.
@@ -175,7 +175,7 @@ impl Case {
 
     /// Whether a command that jumps excites the bench, beyond what sampling resolves.
     pub(crate) fn has_prbs(&self) -> bool {
-        self.runs.iter().any(|run| matches!(run.profile.course, Course::Prbs { .. }))
+        self.runs.iter().any(|run| matches!(run.profile.waveform, Waveform::Prbs { .. }))
     }
 
     /// The same with its fit begun at the truth.
@@ -195,26 +195,26 @@ fn run(family: Family, draw: &mut Draw) -> Result<Run, String> {
     profile.duration_s = (draw.between(5.0, 20.0) * 1e3).round() * 1e-3;
     let strength = draw.between(0.5, 1.2);
     let phases = draw.whole(1, 60_000);
-    match &mut profile.course {
-        Course::Multisine { amplitude, seed, .. } => {
+    match &mut profile.waveform {
+        Waveform::Multisine { amplitude, seed, .. } => {
             *amplitude *= strength;
             *seed = phases as u32;
         }
-        Course::Prbs { amplitude, seed, .. } => {
+        Waveform::Prbs { amplitude, seed, .. } => {
             *amplitude *= strength;
             *seed = phases as u16;
         }
-        Course::Chirp { amplitude, sweep_s, .. } => {
+        Waveform::Chirp { amplitude, sweep_s, .. } => {
             *amplitude *= strength;
             *sweep_s = sweep_s.min(profile.duration_s - profile.ramp_s);
         }
-        Course::Sine { amplitude, periods, .. } => {
+        Waveform::Sine { amplitude, periods, .. } => {
             *amplitude *= strength;
             *periods = None;
         }
-        Course::Triangle { amplitude, .. } => *amplitude *= strength.min(1.1),
-        Course::Staircase { dwell_s, .. } => *dwell_s = (draw.between(0.5, 1.5) * 1e3).round() * 1e-3,
-        Course::Constant { .. } => {}
+        Waveform::Triangle { amplitude, .. } => *amplitude *= strength.min(1.1),
+        Waveform::Staircase { dwell_s, .. } => *dwell_s = (draw.between(0.5, 1.5) * 1e3).round() * 1e-3,
+        Waveform::Constant { .. } => {}
     }
     match family {
         Family::ClosedLoop => command_speed(&mut profile),
@@ -224,7 +224,7 @@ fn run(family: Family, draw: &mut Draw) -> Result<Run, String> {
     Ok(Run { name, profile, seed: draw.seed() })
 }
 
-/// The same course as a motor speed, by the motor's calibration.
+/// The same waveform as a motor speed, by the motor's calibration.
 fn command_speed(profile: &mut ProfileFile) {
     let motor = MotorCalibration::LOADED;
     let speed = |volts: f64| motor.speed_rad_s(volts);
@@ -233,20 +233,20 @@ fn command_speed(profile: &mut ProfileFile) {
     profile.limit = speed(profile.limit);
     // What a profile may ask for at most.
     profile.slew = (profile.slew * per_volt).min(4000.0);
-    match &mut profile.course {
-        Course::Multisine { offset, amplitude, .. }
-        | Course::Chirp { offset, amplitude, .. }
-        | Course::Prbs { offset, amplitude, .. }
-        | Course::Sine { offset, amplitude, .. }
-        | Course::Triangle { offset, amplitude, .. } => {
+    match &mut profile.waveform {
+        Waveform::Multisine { offset, amplitude, .. }
+        | Waveform::Chirp { offset, amplitude, .. }
+        | Waveform::Prbs { offset, amplitude, .. }
+        | Waveform::Sine { offset, amplitude, .. }
+        | Waveform::Triangle { offset, amplitude, .. } => {
             *offset = speed(*offset);
             *amplitude *= per_volt;
         }
-        Course::Staircase { first, step, .. } => {
+        Waveform::Staircase { first, step, .. } => {
             *first = speed(*first);
             *step *= per_volt;
         }
-        Course::Constant { level } => *level = speed(*level),
+        Waveform::Constant { level } => *level = speed(*level),
     }
 }
 
@@ -254,25 +254,25 @@ fn command_speed(profile: &mut ProfileFile) {
 fn spare_the_servo(profile: &mut ProfileFile) {
     profile.ramp_s = 1.0;
     profile.slew = profile.slew.min(2.0);
-    match &mut profile.course {
-        Course::Multisine { offset, to_hz, .. } => (*offset, *to_hz) = (0.0, 10.0),
-        Course::Sine { offset, .. } => *offset = 0.0,
+    match &mut profile.waveform {
+        Waveform::Multisine { offset, to_hz, .. } => (*offset, *to_hz) = (0.0, 10.0),
+        Waveform::Sine { offset, .. } => *offset = 0.0,
         _ => {}
     }
 }
 
 /// Makes what moves the bench weaker, all else equal.
 pub(crate) fn soften(profile: &mut ProfileFile, factor: f64) {
-    match &mut profile.course {
-        Course::Multisine { amplitude, .. }
-        | Course::Chirp { amplitude, .. }
-        | Course::Prbs { amplitude, .. }
-        | Course::Sine { amplitude, .. }
-        | Course::Triangle { amplitude, .. } => *amplitude *= factor,
-        Course::Staircase { first, step, .. } => {
+    match &mut profile.waveform {
+        Waveform::Multisine { amplitude, .. }
+        | Waveform::Chirp { amplitude, .. }
+        | Waveform::Prbs { amplitude, .. }
+        | Waveform::Sine { amplitude, .. }
+        | Waveform::Triangle { amplitude, .. } => *amplitude *= factor,
+        Waveform::Staircase { first, step, .. } => {
             *first *= factor;
             *step *= factor;
         }
-        Course::Constant { level } => *level *= factor,
+        Waveform::Constant { level } => *level *= factor,
     }
 }

@@ -161,7 +161,7 @@ pub(crate) fn detail(trial: &Trial) -> String {
     let case = &trial.case;
     let mut text = format!("{}\n\n", line(trial));
     for run in &case.runs {
-        let _ = writeln!(text, "{}, {:.3} s: {:?}", run.name, run.profile.duration_s, run.profile.course);
+        let _ = writeln!(text, "{}, {:.3} s: {:?}", run.name, run.profile.duration_s, run.profile.waveform);
     }
     let Ok(fit) = &trial.fit else { return text };
     let _ = writeln!(text, "\n{} after {} iterations", end(trial), fit.iterations);

@@ -90,7 +90,7 @@ impl fmt::Display for ProfileError {
             Self::NotPositive(key) => write!(f, "{key} must be greater than 0"),
             Self::OverLimit { peak_micro, limit_micro } => write!(
                 f,
-                "the course reaches {peak_micro} millionths, its limit is {limit_micro}: lower the amplitude or raise the limit"
+                "the command reaches {peak_micro} millionths, its limit is {limit_micro}: lower the amplitude or raise the limit"
             ),
             Self::SlewTooSlow => f.write_str("slew is less than one millionth per sample: raise it"),
             Self::NotWholeSamples { key, time_us, sample_period_us, at_least } => write!(

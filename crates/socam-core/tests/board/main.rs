@@ -212,7 +212,7 @@ fn refusals_say_what_is_needed() {
             .handle(Request::Load(wild))
             .unwrap_err()
             .to_string()
-            .starts_with("profile refused: the course reaches")
+            .starts_with("profile refused: the command reaches")
     );
     running(&mut board, constant(1_000_000, Command::Voltage));
     assert!(board.handle(Request::Configure(Config::default())).is_err());

@@ -87,7 +87,10 @@ impl<'a> Row<'a> {
             ui.add(egui::Label::new(text).truncate().sense(Sense::click())).clicked()
         };
         match column {
-            0 => self.arrow(ui, is_open),
+            0 => {
+                let name = format!("{}: findings", short(self.name));
+                arrow(ui, &name, self.check.is_some(), is_open)
+            }
             1 => label(ui, RichText::new(short(self.name)).strong()),
             2 => {
                 let (word, _, is_warning) = self.verdict();
@@ -105,19 +108,6 @@ impl<'a> Row<'a> {
             6 => label(ui, RichText::new(self.findings().len().to_string()).monospace()),
             _ => label(ui, RichText::new(self.worst()).color(theme::weak(ui))),
         }
-    }
-
-    fn arrow(&self, ui: &mut Ui, is_open: bool) -> bool {
-        let (rect, response) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::click());
-        let is_any = self.check.is_some();
-        let name = format!("{}: findings", short(self.name));
-        response.widget_info(|| WidgetInfo::selected(Role::Button, is_any, is_open, &name));
-        if is_any {
-            let mut icon = response.clone();
-            icon.rect = rect;
-            egui::collapsing_header::paint_default_icon(ui, if is_open { 1.0 } else { 0.0 }, &icon);
-        }
-        response.clicked()
     }
 
     /// Draws the findings and their remedies.
@@ -138,4 +128,16 @@ impl<'a> Row<'a> {
             ui.label(RichText::new(format!("instead: {}", finding.remedy())).small());
         }
     }
+}
+
+/// Draws the arrow that unfolds a row, where there is something to unfold; true where it was pressed.
+pub(crate) fn arrow(ui: &mut Ui, name: &str, is_any: bool, is_open: bool) -> bool {
+    let (rect, response) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::click());
+    response.widget_info(|| WidgetInfo::selected(Role::Button, is_any, is_open, name));
+    if is_any {
+        let mut icon = response.clone();
+        icon.rect = rect;
+        egui::collapsing_header::paint_default_icon(ui, if is_open { 1.0 } else { 0.0 }, &icon);
+    }
+    response.clicked()
 }

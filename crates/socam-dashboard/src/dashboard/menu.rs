@@ -6,7 +6,7 @@ use egui::{Button, LayerId, Role, Ui, WidgetInfo};
 
 use socam_chart::{export, raster, svg};
 use socam_workbench::View;
-use socam_workbench::input_signal::{Kind, Settings};
+use socam_workbench::input_signal::{Settings, SignalShape};
 
 use super::Dashboard;
 use crate::commands::Command;
@@ -92,7 +92,7 @@ impl Dashboard {
     }
 
     fn signal_menu(&mut self, ui: &mut Ui) {
-        for (kind, name) in [(Kind::Sine, "Sine"), (Kind::Constant, "Constant")] {
+        for (kind, name) in [(SignalShape::Sine, "Sine"), (SignalShape::Constant, "Constant")] {
             if item(ui, true, name, None) {
                 self.workspace.signal.change(Settings { kind, ..self.workspace.signal.settings.clone() });
                 self.layout.view = View::Live;

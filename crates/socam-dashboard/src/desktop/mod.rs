@@ -1,6 +1,7 @@
 //! Parts for the desktop only: a bench, fits, fleets, files of other programs, dialogs.
 
 mod attempt;
+mod checking;
 pub mod diagnose;
 mod files;
 mod fitting;
@@ -11,11 +12,15 @@ pub mod identify;
 pub mod live;
 mod native;
 mod own;
+mod responding;
 mod views;
 pub mod watch;
 
+pub(crate) use checking::{CheckOptions, check};
 pub use own::Found;
 pub(crate) use own::{Own, can_be_mapped, save};
+pub(crate) use responding::ResponseOptions;
+pub(crate) use socam_job::Check as CheckTask;
 pub use views::Views;
 
 /// Whether a bench can be reached from here.

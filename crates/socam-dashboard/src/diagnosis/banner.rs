@@ -1,8 +1,8 @@
 //! The banner: what was found and how sure it is, in the words of the report and of the terminal.
 
 use egui::{Frame, Label, Margin, RichText, Ui};
-use socam_answer::Diagnosis;
-use socam_answer::headline::{Tone, headline};
+use socam_findings::Diagnosis;
+use socam_findings::headline::{Tone, headline};
 
 use socam_chart::numbers::plain;
 use socam_chart::theme;

@@ -5,7 +5,7 @@ use egui::{
     Align2, Color32, FontId, Rect, Role as Widget, ScrollArea, Sense, Shape as Painted, Stroke, StrokeKind,
     Ui, Vec2, WidgetInfo, pos2, vec2,
 };
-use socam_answer::{Diagnosis, headline, words};
+use socam_findings::{Diagnosis, headline, words};
 use socam_model::Model;
 use socam_model::drawing::{Drawing, Item, Paint, Place, PlaceMark, Point, Shape, Style};
 use socam_model::layout::Layout;
@@ -209,7 +209,7 @@ mod tests {
 
     #[test]
     fn a_likely_rival_is_said_at_its_place() {
-        let text = include_str!("../../../socam-answer/src/headline/example.json");
+        let text = include_str!("../../../socam-findings/src/headline/example.json");
         let diagnosis: Diagnosis = serde_json::from_str(text).unwrap();
         let marks = headline::marks(&diagnosis);
         let places = Drawing::of(&model(), &marks, Style::default()).places;

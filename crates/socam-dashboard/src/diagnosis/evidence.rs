@@ -4,9 +4,9 @@ mod fit;
 mod overlay;
 
 use egui::{Color32, ComboBox, RichText, Ui, vec2};
-use socam_answer::document::Over as CurveOver;
-use socam_answer::evidence::{Binned, ChannelEvidence};
-use socam_answer::{Diagnosis, Evidence};
+use socam_findings::document::Over as CurveOver;
+use socam_findings::evidence::{Binned, ChannelEvidence};
+use socam_findings::{Diagnosis, Evidence};
 
 use super::choice::{Choice, Over, Sides};
 use socam_chart::chart::{Chart, Curve, Scale, Seen, Style, range_of, with_room};

@@ -1,9 +1,9 @@
 //! The list of findings.
 
 use egui::{Frame, Grid, Margin, RichText, Stroke, Ui};
-use socam_answer::document::{EffectParameter, Finding, ParameterChange};
-use socam_answer::words;
-use socam_answer::{Diagnosis, Proof};
+use socam_findings::document::{EffectParameter, Finding, ParameterChange};
+use socam_findings::words;
+use socam_findings::{Diagnosis, Proof};
 use socam_recording::ProfileFile;
 
 use socam_chart::numbers;

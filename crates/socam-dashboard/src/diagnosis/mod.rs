@@ -7,8 +7,8 @@ mod evidence;
 mod findings;
 
 use egui::{ScrollArea, Ui};
-use socam_answer::{Diagnosis, Evidence};
 use socam_chart::chart::{self, Seen};
+use socam_findings::{Diagnosis, Evidence};
 use socam_model::Model;
 use socam_workbench::{Request, Workspace};
 

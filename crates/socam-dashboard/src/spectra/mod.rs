@@ -14,12 +14,13 @@ use std::sync::Arc;
 use egui::{ComboBox, Ui};
 use socam_model::Model;
 
+use crate::platform::ResponseOptions;
 use crate::view::{Help, ViewPanel};
 use cache::Cache;
 use densities::{Densities, densities};
 use legend::legend;
 use socam_chart::chart::{self, Seen};
-use socam_response::Measured;
+use socam_response::{Measured, Settings};
 use socam_samples::Samples;
 use socam_workbench::Workspace;
 use socam_workbench::entry::Entry;
@@ -27,7 +28,7 @@ use socam_workbench::recording::{Recording, short};
 
 /// A kind of chart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Kind {
+pub enum ChartType {
     /// Amplitude spectral densities.
     #[default]
     Spectrum,
@@ -44,6 +45,7 @@ struct Between {
     revision: u64,
     /// Columns of input and output.
     columns: [String; 2],
+    settings: Settings,
 }
 
 /// The model, and the number that it has until it is replaced.
@@ -53,9 +55,10 @@ type Numbered<'m> = (&'m Model, u64);
 #[derive(Default)]
 pub struct Spectra {
     /// The kind of chart.
-    pub kind: Kind,
+    pub kind: ChartType,
     input: Option<String>,
     output: Option<String>,
+    options: ResponseOptions,
     between: poles::ZeroChannels,
     densities: Cache<(), Densities>,
     responses: Cache<Between, Measured>,
@@ -86,8 +89,8 @@ impl ViewPanel for Spectra {
         &[
             ("Spectrum", "amplitude spectral density by Welch's method"),
             (
-                "Response; output; over input",
-                "output over input with coherence, as identify --method frf estimates it, and the model's own response",
+                "Response; output; over input; Band, Hz",
+                "output over input with coherence, as identify --method frf estimates it with the options of that command, and the model's own response",
             ),
             (
                 "Poles and zeros; zeros of; over",
@@ -101,16 +104,18 @@ impl Spectra {
     fn draw(&mut self, ui: &mut Ui, entries: &[Entry], numbered: Numbered<'_>, seen: &mut Vec<Seen>) {
         let (model, _) = numbered;
         ui.horizontal(|ui| {
-            for (kind, name) in
-                [(Kind::Spectrum, "Spectrum"), (Kind::Response, "Response"), (Kind::Poles, "Poles and zeros")]
-            {
+            for (kind, name) in [
+                (ChartType::Spectrum, "Spectrum"),
+                (ChartType::Response, "Response"),
+                (ChartType::Poles, "Poles and zeros"),
+            ] {
                 ui.selectable_value(&mut self.kind, kind, name);
             }
-            if self.kind == Kind::Response {
+            if self.kind == ChartType::Response {
                 self.choose(ui, entries, model);
             }
         });
-        if self.kind == Kind::Poles {
+        if self.kind == ChartType::Poles {
             poles::ui(ui, model, &mut self.between, seen);
             return;
         }
@@ -127,17 +132,23 @@ impl Spectra {
             );
             return;
         }
+        if let (ChartType::Response, Some(input), Some(output)) =
+            (self.kind, self.input.as_deref(), self.output.as_deref())
+        {
+            self.options.ui(ui, model, [input, output], &shown);
+        }
         self.compute(ui, &shown, numbered);
         legend(ui, &shown);
         match self.kind {
-            Kind::Response => self.response(ui, &shown, numbered, seen),
+            ChartType::Response => self.response(ui, &shown, numbered, seen),
             _ => self.spectrum(ui, &shown, seen),
         }
     }
 
-    /// The columns of responses, where any are chosen.
+    /// Columns and settings of responses, where any are chosen.
     fn chosen(&self, revision: u64) -> Option<Between> {
-        Some(Between { revision, columns: [self.input.clone()?, self.output.clone()?] })
+        let (columns, settings) = ([self.input.clone()?, self.output.clone()?], self.options.settings()?);
+        Some(Between { revision, columns, settings })
     }
 
     /// Starts the work on what the chart lacks, of one recording after another.
@@ -148,18 +159,18 @@ impl Spectra {
         self.densities.retain(|samples, ()| is_shown(samples));
         self.responses.retain(|samples, between| between.revision == revision && is_shown(samples));
         let name = |recording: &Recording| short(&recording.about.name).to_owned();
-        if self.kind == Kind::Response {
+        if self.kind == ChartType::Response {
             let Some(between) = self.chosen(revision) else { return };
             let lacks = |recording: &Recording| {
-                let has =
-                    |column: &String| recording.about.channels.iter().any(|own| own.column_name() == *column);
-                between.columns.iter().all(has) && self.responses.get(&recording.samples, &between).is_none()
+                between.columns.iter().all(|column| recording.has_column(column))
+                    && self.responses.get(&recording.samples, &between).is_none()
             };
             if let Some((_, recording)) = shown.iter().find(|(_, recording)| lacks(recording)) {
-                let (own, model, columns) = ((*recording).clone(), model.clone(), between.columns.clone());
+                let (own, model, wanted) = ((*recording).clone(), model.clone(), between.clone());
                 let title = format!("Response of {}", name(recording));
                 self.responses.start(ui, &title, (own.samples.clone(), between), move |handle| {
-                    response::measured(&own, &model, columns.each_ref().map(String::as_str), handle)
+                    let columns = wanted.columns.each_ref().map(String::as_str);
+                    response::measured(&own, &model, columns, &wanted.settings, handle)
                 });
             }
             self.responses.progress(ui);

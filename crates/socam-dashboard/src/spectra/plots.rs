@@ -1,5 +1,7 @@
 //! The charts of spectra and of responses.
 
+use std::collections::BTreeSet;
+
 use egui::{RichText, Ui, vec2};
 use socam_chart::chart::{self, Chart, Curve, Scale, Seen, Style, range_of};
 use socam_chart::theme;
@@ -44,8 +46,7 @@ impl Spectra {
                 finish(&mut chart, x, is_last);
                 chart.scales = [Scale::Log; 2];
                 let values = chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]));
-                chart.y = range_of(values.filter(|value| *value > 0.0))
-                    .map_or([0.1, 10.0], |[low, high]| chart.fitted(Some([low.max(1e-7 * high), high])));
+                chart.y = over_decades(&chart, values, 1e-7);
                 chart.when_empty = if has_failed { densities::TOO_SHORT } else { "no spectrum yet" };
                 chart.show(ui, seen);
             }
@@ -92,11 +93,18 @@ impl Spectra {
             ui,
             "solid: recordings, where the 95 % confidence circle leaves out zero; dashed: the model at its file's values",
         );
+        // Several recordings may have the same warning.
+        let mut remarks = BTreeSet::new();
         for ((_, recording), found) in shown.iter().zip(&found) {
-            if let Some(Err(problem)) = found {
-                remark(ui, &format!("{}: {problem}", short(&recording.about.name)));
+            match found {
+                Some(Err(problem)) => {
+                    remarks.insert(format!("{}: {problem}", short(&recording.about.name)));
+                }
+                Some(Ok(found)) => remarks.extend(found.warnings.iter().chain(&found.notes).cloned()),
+                None => {}
             }
         }
+        remarks.iter().for_each(|text| remark(ui, text));
         let height = heights(ui, 3);
         ui.spacing_mut().item_spacing.y = 3.0;
         for (place, mut chart) in charts.into_iter().enumerate() {
@@ -105,8 +113,7 @@ impl Spectra {
             chart.scales = [Scale::Log, if place == 0 { Scale::Log } else { Scale::Linear }];
             let values = chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]));
             chart.y = match place {
-                0 => range_of(values.filter(|v| *v > 0.0))
-                    .map_or([0.1, 10.0], |[low, high]| chart.fitted(Some([low.max(1e-6 * high), high]))),
+                0 => over_decades(&chart, values, 1e-6),
                 1 => [-190.0, 190.0],
                 _ => [-0.05, 1.15],
             };
@@ -114,6 +121,22 @@ impl Spectra {
             chart.show(ui, seen);
         }
     }
+}
+
+/// Range of a logarithmic axis for these values; those below `least` of the greatest are left out. Less than a decade is widened to
+/// 1, 2 or 5 times a power of ten at both ends, since only such lines have numbers.
+fn over_decades(chart: &Chart, values: impl Iterator<Item = f64>, least: f64) -> [f64; 2] {
+    let Some([low, high]) = range_of(values.filter(|value| *value > 0.0)) else { return [0.1, 10.0] };
+    let round = |value: f64, is_up: bool| {
+        let decade = 10_f64.powf(value.log10().floor());
+        let mut steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * decade).into_iter();
+        let found =
+            if is_up { steps.find(|step| *step >= value) } else { steps.rfind(|step| *step <= value) };
+        found.unwrap_or(value)
+    };
+    let low = low.max(least * high);
+    let range = if high < 10.0 * low { [round(low, false), round(high, true)] } else { [low, high] };
+    chart.fitted(Some(range))
 }
 
 fn remark(ui: &mut Ui, text: &str) {

@@ -2,7 +2,6 @@
 
 use socam_frequency::response::Response;
 use socam_model::Model;
-use socam_recording::{Carry, Dataset};
 use socam_response::{Measured, Settings, between};
 use socam_workbench::job::Handle;
 use socam_workbench::recording::Recording;
@@ -15,16 +14,12 @@ pub(super) fn measured(
     recording: &Recording,
     model: &Model,
     columns: [&str; 2],
+    settings: &Settings,
     handle: &Handle,
 ) -> Result<Measured, String> {
-    let data = regular(recording.dataset()?).map_err(|error| error.to_string())?;
+    let data = recording.dataset()?.regular().map_err(|error| error.to_string())?;
     handle.reached(0.3)?;
-    between(model, &[data], columns, &Settings::default()).map_err(|error| error.to_string())
-}
-
-/// Irregular samples interpolated, as the command does.
-fn regular(data: Dataset) -> socam_recording::Result<Dataset> {
-    if data.steps()?.are_irregular() { data.on_regular_grid(1, |_| Carry::Smooth) } else { Ok(data) }
+    between(model, &[data], columns, settings).map_err(|error| error.to_string())
 }
 
 /// A response as curves over frequency, Hz.
@@ -67,6 +62,7 @@ mod tests {
     use std::fmt::Write as _;
 
     use super::*;
+    use socam_recording::Dataset;
 
     fn noise(seed: u64) -> impl Iterator<Item = f64> {
         let mut state = seed;
@@ -103,7 +99,8 @@ mod tests {
         let opened = Recording::open(&run, read, &Handle::default()).unwrap();
         for output in model.outputs() {
             let columns = [model.inputs().next().unwrap().column.as_str(), output.column.as_str()];
-            let window = measured(&opened, &model, columns, &Handle::default()).unwrap();
+            let window =
+                measured(&opened, &model, columns, &Settings::default(), &Handle::default()).unwrap();
             // The expected values are those that `identify --method frf` prints.
             let data = socam_import::open(&run).unwrap();
             let command = socam_response::estimate(
@@ -124,7 +121,7 @@ mod tests {
         let opened = Recording::open(&recording(folder.path()), read, &Handle::default()).unwrap();
         let model = Model::builtin("two-mass").unwrap();
         let columns = ["motor_torque_Nm", "motor_speed_rad_s"];
-        let found = measured(&opened, &model, columns, &Handle::default()).unwrap();
+        let found = measured(&opened, &model, columns, &Settings::default(), &Handle::default()).unwrap();
         let Curves { magnitude, phase, coherence } = curves(&found.response);
         let at = |line: &[Vec<[f64; 2]>]| {
             *line.iter().flatten().min_by(|a, b| (a[0] - 50.0).abs().total_cmp(&(b[0] - 50.0).abs())).unwrap()
@@ -148,7 +145,8 @@ mod tests {
             let data = Dataset::from_columns("r", channels.to_vec(), time_s, columns).unwrap();
             let opened = Recording::of(&data, &Handle::default()).unwrap();
             let model = Model::builtin("two-mass").unwrap();
-            let found = measured(&opened, &model, ["u_V", "y_V"], &Handle::default()).unwrap();
+            let columns = ["u_V", "y_V"];
+            let found = measured(&opened, &model, columns, &Settings::default(), &Handle::default()).unwrap();
             drawn += curves(&found.response).magnitude.iter().map(Vec::len).sum::<usize>();
             lines += found.response.lines.len();
         }

@@ -1,10 +1,14 @@
 //! The window in a browser: a page passes files to it, and offers the files that it writes for download.
 
+mod checking;
 mod frame;
 mod own;
+mod responding;
 mod views;
 
+pub(crate) use checking::{CheckOptions, CheckOptions as CheckTask, check};
 pub(crate) use own::{Own, can_be_mapped, save};
+pub(crate) use responding::ResponseOptions;
 pub use views::Views;
 
 /// Content of a file that can be opened.

@@ -22,7 +22,7 @@ use socam_workbench::setup::Role;
 const STIFFNESS: f64 = 160.0;
 
 /// A run of the model `two-mass` for 2 s at 500 Hz, with another stiffness, dry friction at the load, and noise.
-fn two_mass(number: u32, friction_nm: f64) -> Recording {
+pub(crate) fn two_mass(number: u32, friction_nm: f64) -> Recording {
     let base = Model::builtin("two-mass").unwrap();
     let truth = match friction_nm {
         0.0 => base,
@@ -159,7 +159,7 @@ fn a_cancelled_diagnosis_ends_at_the_next_evaluation() {
     }
     let cancels = Arc::new(Cancels::default());
     let data: Vec<_> = (1..=2).map(|number| two_mass(number, 0.4).dataset().unwrap()).collect();
-    let options = Options { watch: ProgressMonitor::by(cancels.clone()), ..Options::default() };
+    let options = Options { progress: ProgressMonitor::by(cancels.clone()), ..Options::default() };
     let answer = diagnose(&Model::builtin("two-mass").unwrap(), &data, HeldOut::none(), &options);
     assert!(matches!(answer, Err(DiagnoseError::Identify(IdentifyError::Cancelled))));
     assert_eq!(cancels.later.load(Ordering::Relaxed), 0);

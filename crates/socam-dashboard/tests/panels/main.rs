@@ -1,6 +1,7 @@
 //! The panels as people use and see them: driven by the names that a screen reader would say, and compared with pictures.
 
 mod clicks;
+mod commands;
 mod files;
 mod fits;
 mod fleet;

@@ -18,7 +18,7 @@ const NARROW: Viewport = Viewport { size: [800.0, 600.0], scale: 1.25 };
 const LARGE: Viewport = Viewport { size: [2560.0, 1440.0], scale: 1.0 };
 
 /// Look and size in which each state is drawn here; example `gallery` draws all states in all looks.
-const DRAWN: [(&str, Look, Viewport); 36] = [
+const DRAWN: [(&str, Look, Viewport); 37] = [
     ("time", Look::Dark, SMALL),
     ("time-trouble", Look::Light, SMALL),
     ("time-one-sample", Look::Light, SMALL),
@@ -50,6 +50,7 @@ const DRAWN: [(&str, Look, Viewport); 36] = [
     ("live-empty", Look::Dark, SMALL),
     ("live", Look::Light, LARGE),
     ("live-fault", Look::Dark, NARROW),
+    ("watch", Look::Light, SMALL),
     ("fleet", Look::Light, SMALL),
     ("fleet-machine", Look::Dark, SMALL),
     ("fleet-findings", Look::Light, NARROW),

@@ -8,7 +8,7 @@ use crate::{context::Context, proof::Outcome, selection::Path};
 pub(crate) struct Inputs<'a> {
     pub(crate) context: &'a Context<'a>,
     pub(crate) path: &'a Path,
-    /// What came of the held-out recordings.
+    /// Outcome on the held-out recordings.
     pub(crate) held_out: &'a Outcome,
     /// Estimates of the base model's parameters.
     pub(crate) before: &'a Identification,

@@ -1,4 +1,4 @@
-//! Competing models of a finding, and the experiment that tells them apart.
+//! Competing models of a finding, and the experiment that distinguishes them.
 
 use crate::{
     candidate::Candidate,
@@ -13,7 +13,7 @@ const LEAST_WEIGHT: f64 = 1e-2;
 const OPEN: f64 = 0.05;
 
 /// Competing models with their weights, the largest first. Observationally equivalent effects share the finding's own weight. Effects that
-/// are terms of the path are no competitors.
+/// are terms of the path are not competitors.
 pub(super) fn rivals(path: &Path, term: &Term, equivalent: &[Candidate]) -> Vec<Rival> {
     let is_equivalent = |rival: &Candidate| equivalent.iter().any(|other| other.is_same(rival));
     let others: Vec<&(Candidate, f64)> =
@@ -34,7 +34,7 @@ pub(super) fn rivals(path: &Path, term: &Term, equivalent: &[Candidate]) -> Vec<
     named
 }
 
-/// The next experiment: one that tells the first open finding from its competitors, or else one that shows an unnamed curve better.
+/// The next experiment: one that distinguishes the first open finding from its competitors, or else one that shows an unnamed curve better.
 pub(super) fn suggestion(findings: &[Finding]) -> Option<SuggestedExperiment> {
     let is_open = |finding: &&Finding| finding.rivals.first().is_some_and(|rival| rival.weight > OPEN);
     match findings.iter().find(is_open) {

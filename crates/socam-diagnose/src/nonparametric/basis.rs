@@ -3,12 +3,12 @@
 use socam_model::{
     Motion,
     effects::{
-        Acts, ActsAt, Effect, EffectParameter, Form, Kind, Law, LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS,
-        Response, TRANSITION_SPEED,
+        Acts, ActsAt, Effect, EffectParameter, Form, Law, LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS,
+        QuantityKind, Response, TRANSITION_SPEED,
     },
 };
 
-/// Name of the speed within which friction changes its sign, which is that of the catalogue's friction.
+/// Parameter name of the speed within which friction changes its sign; the same as in the catalogue's friction laws.
 const TRANSITION: &str = "transition_speed";
 /// Bounds of a parameter without bounds.
 pub(super) const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -16,9 +16,9 @@ pub(super) const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 /// Parameters of a raised cosine: its height, its centre, and the distance from the centre beyond which it is zero. Raised cosines whose
 /// centres are one width apart add up to any smooth curve.
 const BASIS: &[EffectParameter] = &[
-    EffectParameter { name: "height", kind: Kind::Gain, default: None, bounds: ANY },
-    EffectParameter { name: "centre", kind: Kind::Gain, default: None, bounds: ANY },
-    EffectParameter { name: "width", kind: Kind::Gain, default: None, bounds: ANY },
+    EffectParameter { name: "height", kind: QuantityKind::Gain, default: None, bounds: ANY },
+    EffectParameter { name: "centre", kind: QuantityKind::Gain, default: None, bounds: ANY },
+    EffectParameter { name: "width", kind: QuantityKind::Gain, default: None, bounds: ANY },
 ];
 
 /// Parameters of a friction term: those of its basis function, and the speed within which it changes its sign.
@@ -60,12 +60,12 @@ fn time_varying_gain(law_inputs: &[f64], p: &[f64]) -> Response {
     }
 }
 
-/// A raised cosine that counts as resistance: a bearing's curve shows the torque that it takes.
+/// A raised cosine with the opposite sign: the curve of a bearing shows its resisting torque.
 fn resisting_raised_cosine(law_inputs: &[f64], p: &[f64]) -> Response {
     negated(raised_cosine(law_inputs, p))
 }
 
-/// A harmonic that counts as resistance, likewise.
+/// A harmonic with the opposite sign, for the same reason.
 fn resisting_harmonic(law_inputs: &[f64], p: &[f64]) -> Response {
     negated(harmonic(law_inputs, p))
 }
@@ -144,7 +144,7 @@ pub(super) static CHANNEL_TIME: Effect =
 pub(super) static CHANNEL_GAIN: Effect =
     effect(ActsAt::Channel, &[law(&[LawInput::Reading, LawInput::Time], Acts::Reading, time_varying_gain)]);
 
-/// Speed within which friction changes its sign, rad/s (m/s), unless a file says otherwise.
+/// Speed within which friction changes its sign, rad/s (m/s), unless a file sets it.
 pub(super) fn transition(motion: Motion) -> f64 {
     let (rotation, translation) = TRANSITION_SPEED;
     if motion == Motion::Rotation { rotation } else { translation }

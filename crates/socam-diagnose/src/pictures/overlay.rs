@@ -13,7 +13,7 @@ const LEAST_SAMPLES: usize = 200;
 const INTERVALS: usize = 250;
 /// Parts are tried at steps of this share of their length.
 const STEPS: usize = 4;
-/// Digits behind the first of each value, to keep the document small.
+/// Decimal digits after the first of each value; limits the size of the document.
 const DIGITS: usize = 5;
 
 /// The picture, on a held-out recording if there is one; `None` without samples. `floor` is the noise floor of each output, SI.
@@ -57,7 +57,7 @@ fn power(pairs: &[&Pair], output: usize) -> f64 {
     pairs.iter().map(|pair| squares(&residual(&pair.before, output))).sum::<f64>() / samples as f64
 }
 
-/// Fall of a channel's residual power, as a share of the signal's power: what a picture shows.
+/// Fall of a channel's residual power, as a share of the signal's power.
 fn improvement(pairs: &[&Pair], output: usize) -> f64 {
     let (mut fall, mut signal) = (0.0, 0.0);
     for pair in pairs {
@@ -71,7 +71,7 @@ fn improvement(pairs: &[&Pair], output: usize) -> f64 {
     fall / signal
 }
 
-/// The part of a segment in which the base model misses a channel most: its first sample, the one behind its last, and the mean square of
+/// The part of a segment in which the base model's residual of a channel is largest: first sample, last sample plus one, and mean square of
 /// the residual.
 fn part(pair: &Pair, output: usize) -> Option<(usize, usize, f64)> {
     let missed = residual(&pair.before, output);
@@ -83,7 +83,7 @@ fn part(pair: &Pair, output: usize) -> Option<(usize, usize, f64)> {
         let finite = missed[from..from + length].iter().filter(|value| value.is_finite());
         let (sum, count) =
             finite.fold((0.0, 0_usize), |(sum, count), value| (sum + value * value, count + 1));
-        // A part with gaps shows less.
+        // Parts of which at least half is missing are skipped.
         (2 * count > length).then(|| (from, from + length, sum / count as f64))
     };
     let starts = (0..=missed.len() - length).step_by((length / STEPS).max(1));
@@ -105,7 +105,7 @@ fn times(time_s: &[f64]) -> Vec<f64> {
     }
 }
 
-/// The least and the greatest value of each interval in the order in which they come; a missing one where nothing was measured.
+/// The least and the greatest value of each interval in order of time; `None` where nothing was measured.
 fn thinned(values: &[f64]) -> Vec<Option<f64>> {
     let Some(all) = intervals(values.len()) else {
         return values.iter().map(|value| rounded(*value)).collect();
@@ -130,7 +130,7 @@ mod tests {
 
     use super::*;
 
-    /// A segment of 10 s whose first output is missed a little everywhere, and whose second is missed much around 6 s.
+    /// A segment of 10 s. The first output's residual is small everywhere; the second output's is large around 6 s.
     fn pair(held_out: bool, corrected: bool) -> Pair {
         let time_s: Vec<f64> = (0..10_000).map(|k| 1e-3 * f64::from(k)).collect();
         let signal: Vec<f64> = time_s.iter().map(|t| (6.0 * t).sin()).collect();

@@ -11,7 +11,7 @@ use super::{
     readings::Readings,
 };
 
-/// Factor on the usual transition width of a law, which is no part of a steady state.
+/// Factor on the usual transition width of a law, which does not occur in a steady state.
 const NARROW: f64 = 1e-6;
 
 /// The reading that an explanation scales. It scales that reading's uncertainty too.
@@ -103,7 +103,7 @@ impl Regression<'_> {
             (Form::Gain, RelationKind::Load) => Vec::new(),
             (Form::Gain, kind) => channels.into_iter().zip(self.gains(kind)).collect(),
             (Form::Laws([law, ..]), kind) if law.acts == Acts::Reading => {
-                // A torque against drag alone has one sensor.
+                // A relation of one torque and drag has one sensor.
                 let [second, first] = self.offsets(kind, effect);
                 let sensors = channels.into_iter().zip([second, first]);
                 sensors.skip(usize::from(kind == RelationKind::Load)).collect()

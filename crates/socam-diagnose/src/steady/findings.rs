@@ -1,4 +1,4 @@
-//! What the document says about a violated parity relation, and about one that holds.
+//! Document entries for violated parity relations and for those that hold.
 
 use socam_model::{
     Model,
@@ -97,7 +97,7 @@ fn unit(model: &Model, own: &Explanation) -> String {
     parameter.map_or("", |p| model.unit_at(p.kind, &own.place)).into()
 }
 
-/// The observation in the table's own numbers.
+/// The observation, in the numbers of the table.
 fn observation(model: &Model, outcome: &Outcome<'_>) -> String {
     let relation = outcome.relation;
     let (first, second) = (&model.channels[relation.first].name, &model.channels[relation.second].name);

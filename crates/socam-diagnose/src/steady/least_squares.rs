@@ -1,4 +1,4 @@
-//! Weighted least squares of a parity residual, and what its fit says.
+//! Weighted least squares of a parity residual, with standard errors and p-value.
 
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};

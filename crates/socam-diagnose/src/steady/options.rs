@@ -1,6 +1,6 @@
 //! Settings of a diagnosis of steady states.
 
-/// What is assumed of the operating points.
+/// False alarm rate, and assumptions about the operating points.
 #[derive(Debug, Clone, Copy)]
 pub struct SteadyOptions {
     /// Share of benches with nothing missing for which the diagnosis may report an effect, 1.

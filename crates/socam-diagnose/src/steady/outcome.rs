@@ -45,7 +45,7 @@ pub(super) fn outcome<'a>(
         .filter_map(|own| test.fit(model, Some(&own), None).map(|fitted| (own, fitted)))
         .filter(|(own, fitted)| own.is_possible(fitted))
         .collect();
-    // Of explanations that fit equally well, the first one of the list leads: the plant before its sensors.
+    // Among explanations that fit equally well, the first one of the list leads: effects of the plant precede those of sensors.
     ranked.sort_by(|a, b| a.1.chi2.total_cmp(&b.1.chi2));
     let least = ranked.first().map_or(0.0, |(_, fitted)| fitted.chi2);
     let equal = ranked.iter().filter(|(_, fitted)| fitted.chi2 < least + EQUAL_CHI2).count();

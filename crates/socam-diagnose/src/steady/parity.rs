@@ -148,8 +148,8 @@ fn far_side(model: &Model, spring: usize) -> Option<Vec<bool>> {
     (!far[model.springs[spring].from]).then_some(far)
 }
 
-/// The relation of a torque sensor with the next one, or with drag alone where there is no next one. `None` where an input acts in between
-/// or a node in between is connected to the ground by a spring.
+/// The relation of a torque sensor with the next one, or with drag alone if it is the last one. `None` if an input acts in between, or if a
+/// node in between is connected to the ground by a spring.
 fn torque_relation(
     model: &Model,
     speeds: &[Option<f64>],

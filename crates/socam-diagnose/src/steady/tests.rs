@@ -34,14 +34,14 @@ fn a_bench_without_losses_is_adequate_and_its_bearing_is_determined() {
 
 #[test]
 fn drag_that_does_not_grow_with_torque_is_told_from_a_loss() {
-    // 0.3 N m are taken in front of the reducer at every speed and torque.
+    // Drag of 0.3 N m in front of the reducer at every speed and torque.
     let row = |speed: f64, load: f64| vec![speed, speed / 8.0, load / 8.0 + 0.3, load];
     let rows = [row(50.0, 1.0), row(100.0, 2.0), row(150.0, 4.0), row(120.0, 0.5)];
     let diagnosis = diagnosed(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>());
     let found = &diagnosis.findings.iter().find(|one| one.location == "cam_bearing").unwrap();
     assert_eq!(found.effect, "coulomb_friction");
     assert!((found.parameters[0].value.unwrap() - 0.3).abs() < 1e-6, "{:?}", found.parameters);
-    // One direction and one sign: an offset of either sensor takes as much.
+    // With one direction and one sign, an offset of either sensor explains the difference as well.
     assert!(
         found.rivals.iter().all(|rival| rival.effect == "sensor_offset") && found.rivals.len() == 2,
         "{:?}",

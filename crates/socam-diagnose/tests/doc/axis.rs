@@ -1,6 +1,6 @@
 {
-    // A model of a carriage with viscous friction, and four recordings of 2 s at 200 Hz of one that also rubs, for the documentation's examples.
-    // It is one expression, so that `include!` gives its value.
+    // For the examples of the documentation: a model of a carriage with viscous friction, and four recordings (2 s at 200 Hz) of one that
+    // has Coulomb friction too. It is one expression, so that `include!` gives its value.
     const MODEL: &str = r#"
 schema = "socam.model/1"
 name = "axis"

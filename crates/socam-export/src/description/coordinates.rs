@@ -4,7 +4,7 @@ use socam_model::{Model, Quantity, Site, effects::Form};
 
 /// Kind of a coordinate's motion, as the equations of `socam-model` classify it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum CoordinateMotion {
     /// An input prescribes its speed.
     Prescribed,
     /// The coordinate has inertia.
@@ -18,7 +18,7 @@ pub(crate) enum Kind {
 pub(crate) struct Coordinate {
     /// Node whose motion the coordinate is.
     pub(crate) node: usize,
-    pub(crate) kind: Kind,
+    pub(crate) kind: CoordinateMotion,
 }
 
 /// Motion of a node divided by that of its coordinate: a product of ratios and inverse ratios.
@@ -63,7 +63,7 @@ pub(super) fn of(model: &Model) -> (Vec<Coordinate>, Vec<(usize, Lever)>) {
                 open.push(next);
             }
         }
-        coordinates.push(Coordinate { node: root, kind: Kind::Static });
+        coordinates.push(Coordinate { node: root, kind: CoordinateMotion::Static });
     }
     let of_nodes: Vec<(usize, Lever)> =
         found.into_iter().map(|own| own.unwrap_or((0, one.clone()))).collect();
@@ -86,7 +86,7 @@ fn tied(model: &Model, node: usize) -> Vec<(usize, Option<(usize, bool)>)> {
     shafts.chain(gears).filter(|(from, ..)| *from == node).map(|(_, to, ratio)| (to, ratio)).collect()
 }
 
-fn kind(model: &Model, members: &[usize]) -> Kind {
+fn kind(model: &Model, members: &[usize]) -> CoordinateMotion {
     let has = |node: usize| members.contains(&node);
     let prescribed = model.inputs().any(|input| {
         input.quantity == Quantity::Speed
@@ -101,9 +101,9 @@ fn kind(model: &Model, members: &[usize]) -> Kind {
         || model.bearings.iter().any(|b| has(b.node) && b.damping.is_some())
         || model.servo.as_ref().is_some_and(|servo| has(servo.node));
     match (prescribed, massive, damped) {
-        (true, ..) => Kind::Prescribed,
-        (_, true, _) => Kind::Massive,
-        (.., true) => Kind::Damped,
-        _ => Kind::Static,
+        (true, ..) => CoordinateMotion::Prescribed,
+        (_, true, _) => CoordinateMotion::Massive,
+        (.., true) => CoordinateMotion::Damped,
+        _ => CoordinateMotion::Static,
     }
 }

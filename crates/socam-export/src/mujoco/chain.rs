@@ -4,7 +4,7 @@ use socam_model::{Quantity, Site};
 
 use crate::{
     LeftOut,
-    description::{Description, Kind},
+    description::{CoordinateMotion, Description},
     error::ExportError,
 };
 
@@ -44,12 +44,12 @@ impl Chain {
             let (inertia, kind) = (d.inertia(coordinate), d.coordinates[coordinate].kind);
             let (stiffness, damping) = chain.held(d, coordinate);
             let name = &d.points[d.coordinates[coordinate].node].name;
-            if kind == Kind::Massive || (kind == Kind::Prescribed && inertia > 0.0) {
+            if kind == CoordinateMotion::Massive || (kind == CoordinateMotion::Prescribed && inertia > 0.0) {
                 chain.inertia[coordinate] = Some(inertia);
                 fastest = fastest.max((stiffness / inertia).sqrt());
                 continue;
             }
-            if kind == Kind::Prescribed {
+            if kind == CoordinateMotion::Prescribed {
                 // Any inertia: the actuator that drives it is far stiffer.
                 chain.inertia[coordinate] = Some(1e-6);
                 continue;

@@ -6,7 +6,7 @@ use super::{
     has_angle_state,
 };
 use crate::{
-    description::{Coordinate, Kind},
+    description::{Coordinate, CoordinateMotion},
     formula::Formula,
 };
 
@@ -21,7 +21,7 @@ impl Builder<'_, '_> {
             let node = self.d.points[self.d.coordinates[index].node].name.clone();
             let total = self.d.names.unique(&format!("sum_{node}"));
             let balance = sum(std::mem::take(&mut self.torque[index]));
-            if kind == Kind::Prescribed {
+            if kind == CoordinateMotion::Prescribed {
                 continue;
             }
             self.assign(&total, balance);
@@ -31,8 +31,10 @@ impl Builder<'_, '_> {
                 balance: Formula::Name(total.clone()),
             };
             match kind {
-                Kind::Massive => massive.push((index, total)),
-                Kind::Damped => unknowns.push(unknown(&self.speed[index], format!("speed of {node}"))),
+                CoordinateMotion::Massive => massive.push((index, total)),
+                CoordinateMotion::Damped => {
+                    unknowns.push(unknown(&self.speed[index], format!("speed of {node}")))
+                }
                 _ => unknowns.push(unknown(&self.angle[index], format!("angle of {node}"))),
             }
         }

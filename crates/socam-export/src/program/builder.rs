@@ -4,7 +4,7 @@ use socam_model::{Quantity, effects::Acts};
 
 use super::{Assignment, Line, Program, State, has_angle_state};
 use crate::{
-    description::{Description, Kind, Lever},
+    description::{CoordinateMotion, Description, Lever},
     error::ExportError,
     formula::Formula,
 };
@@ -147,7 +147,7 @@ impl<'d, 'm> Builder<'d, 'm> {
             let lever = point.lever.clone();
             let turned = self.by_lever(name(&self.angle[coordinate]), &lever);
             self.assign(&angle, turned);
-            if self.d.coordinates[coordinate].kind != Kind::Static {
+            if self.d.coordinates[coordinate].kind != CoordinateMotion::Static {
                 let turning = self.by_lever(name(&self.speed[coordinate]), &lever);
                 self.assign(&speed, turning);
             }

@@ -72,7 +72,9 @@ fn time_and_turned_angle_are_kept_by_the_simulation() {
     let drifting = model.with_effect("damping_drift", "load_bearing", &[("rate", 5.0)]).unwrap();
     assert_eq!(drifting.inputs().count(), 3);
     let mut simulation = Simulation::new(drifting.clone()).unwrap();
-    assert!(simulation.variables().iter().all(|v| !matches!(v.kind, Kind::Input(index) if index > 0)));
+    assert!(
+        simulation.variables().iter().all(|v| !matches!(v.kind, VariableRole::Input(index) if index > 0))
+    );
     assert_close(&stepped(&drifting)[..1], &predicted(&drifting)[..1], 1e-6);
     // Without the clocks the result would differ.
     assert!((stepped(&drifting)[0] - stepped(&model)[0]).abs() > 1e-5);

@@ -79,8 +79,8 @@ impl NoiseModel {
         })
     }
 
-    /// This noise model with a model discrepancy, one level per output, estimated from the residuals of the evaluation `at` of
-    /// `problem`'s model. `None` if the prediction overflows.
+    /// This noise model with a model discrepancy (M. C. Kennedy and A. O'Hagan, J. R. Stat. Soc. B 63, 2001): one level per output, in
+    /// units of sensor noise, estimated from the residuals of the evaluation `at` of `problem`'s model. `None` if the prediction overflows.
     ///
     /// # Errors
     /// When a recording cannot be read.

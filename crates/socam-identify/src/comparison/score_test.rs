@@ -12,8 +12,8 @@ use crate::{
     problem::Problem,
 };
 
-/// Largest group of parameters that is one effect. A larger group is the points of a curve, which may be nearly dependent: it is regularised
-/// by [`RIDGE`].
+/// Largest group of parameters that is one effect. The parameters of a larger group are points of a curve, which may be nearly dependent:
+/// it is regularised by [`RIDGE`].
 const FEW: usize = 4;
 
 /// Ridge, as a share of the information of each parameter.
@@ -25,7 +25,7 @@ const LEAST_OWN: f64 = 1e-7;
 /// Effect of freeing a group of parameters, predicted from sensitivities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CandidateScore {
-    /// Decrease of the sum of squares.
+    /// Decrease of the sum of squared whitened residuals.
     pub gain: f64,
     /// Sum of squares at the values.
     pub total: f64,
@@ -40,8 +40,8 @@ pub struct CandidateScore {
     pub scores: Vec<Vec<f64>>,
 }
 
-/// For each of `groups` (indices of free parameters of one candidate) the effect of freeing it along with the `base` parameters, at
-/// `values` and the nuisance parameters of `at`, an evaluation of `model`. `None` where sensitivities overflow.
+/// The effect of freeing each of `groups` (indices of the parameters of one candidate) along with the `base` parameters, at `values` (all
+/// parameters, SI) and the nuisance parameters of `at`, an evaluation of `model`. One result per group; `None` if sensitivities overflow.
 ///
 /// ```
 /// use socam_identify::{NoiseLevels, Options, Problem, comparison::{NoiseModel, measure, score_test}};

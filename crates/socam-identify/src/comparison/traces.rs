@@ -1,4 +1,4 @@
-//! Signals of an evaluation: predictions beside measurements.
+//! Signals of an evaluation: predictions and measurements.
 
 use rayon::prelude::*;
 use socam_model::Model;

@@ -20,7 +20,7 @@ use crate::{
     problem::Problem,
 };
 
-/// Length of the blocks of scores, s: longer than the correlation time of residuals behind the filters of a noise model.
+/// Length of the blocks of scores, s: longer than the correlation time of residuals after the filters of a noise model.
 const COMPARED_BLOCK_S: f64 = 0.2;
 
 /// Length of the blocks of scores without a noise model, s.
@@ -38,7 +38,7 @@ pub(crate) struct ResidualAccumulator<'w> {
     pub(crate) unresolved: u64,
     prewhitening: Option<prewhitening::PrewhiteningState<'w>>,
     discrepancy: Option<&'w Discrepancy>,
-    course: Option<level_score::LevelScore<'w>>,
+    level_score: Option<level_score::LevelScore<'w>>,
     detector: Option<OutlierDetector<'w>>,
     scores: Option<Scores>,
     innovations: Option<Vec<Vec<f64>>>,
@@ -72,7 +72,7 @@ impl<'w> ResidualAccumulator<'w> {
             unresolved: 0,
             prewhitening: prewhitening.map(|prewhitening| prewhitening.start(nuisance, globals)),
             discrepancy: Discrepancy::at(&weights.discrepancy, sample_time_s),
-            course: perturbed.map(|(_, perturbed)| perturbed.start()),
+            level_score: perturbed.map(|(_, perturbed)| perturbed.start()),
             detector: weights
                 .detector
                 .as_ref()
@@ -96,9 +96,9 @@ impl<'w> ResidualAccumulator<'w> {
         (QrAccumulator::capacity() / self.channels.len()).max(1)
     }
 
-    /// Folds a block: `fill(output, target)` writes the weighted sensitivities and, in the last column, the weighted
-    /// prediction of all `rows` samples of one output. `measured` holds NaN where nothing was measured.
-    /// Without `alive`, nuisance columns are zero and left out. Answers whether the evaluation goes on.
+    /// Folds a block: `fill(output, target)` writes the weighted sensitivities and, in the last column, the weighted prediction of all
+    /// `rows` samples of one output. `measured` holds NaN where nothing was measured. Without `alive`, nuisance columns are zero and left
+    /// out. Returns whether the evaluation continues.
     pub(crate) fn fold(
         &mut self,
         rows: usize,
@@ -136,8 +136,8 @@ impl<'w> ResidualAccumulator<'w> {
             finite &= sums.residual_squares.is_finite();
         }
         let residuals = target.as_ref().col(columns - 1);
-        if let Some(course) = &mut self.course {
-            follow(residuals, rows, &self.present, |residual, present| course.take(residual, present));
+        if let Some(level_score) = &mut self.level_score {
+            follow(residuals, rows, &self.present, |residual, present| level_score.take(residual, present));
         }
         if let Some(detector) = &mut self.detector {
             follow(residuals, rows, &self.present, |residual, present| detector.take(residual, present));
@@ -187,7 +187,7 @@ impl<'w> ResidualAccumulator<'w> {
             scores,
             block_squares,
             innovations: self.innovations.unwrap_or_default(),
-            levels: self.course.map(|course| course.score),
+            levels: self.level_score.map(|level_score| level_score.score),
             detector: self.detector.map(OutlierDetector::finish),
         })
     }

@@ -35,7 +35,7 @@ pub(crate) fn run(
     run_below(problem, point, weights, f64::INFINITY)
 }
 
-/// [`run`], given up as soon as one segment alone has a sum of squares above `most`: a step that leads there is refused anyway, and such
+/// Like [`run`], but given up as soon as one segment has a sum of squares above `most`: a step to such a point is refused anyway, and such
 /// predictions are often slow.
 pub(crate) fn run_below(
     problem: &Problem<'_>,
@@ -43,7 +43,7 @@ pub(crate) fn run_below(
     weights: &Weights,
     most: f64,
 ) -> Result<Evaluated, IdentifyError> {
-    problem.options.watch.proceed()?;
+    problem.options.progress.proceed()?;
     let Ok((equations, sensitivities)) =
         problem.model.equations_with_derivatives(&point.values, &problem.free)
     else {
@@ -63,7 +63,7 @@ pub(crate) fn run_below(
     let still = if free_start { law_states(&equations) } else { Vec::new() };
     let linear = is_linear(&equations);
     let modal = if linear { Modal::new(problem, &equations, &sensitivities, point, weights) } else { None };
-    // One per sample time: making one costs more than evaluating a short segment.
+    // One integrator per sample time: making one costs more than evaluating a short segment.
     let mut integrators: Vec<(f64, Option<SensitivityIntegrator<'_>>)> = Vec::new();
     for segment in problem.segments.iter().filter(|_| modal.is_none()) {
         let time_s = segment.sample_time_s;
@@ -74,7 +74,7 @@ pub(crate) fn run_below(
         }
     }
     let one = |index: usize| -> Result<Option<SegmentEvaluation>, IdentifyError> {
-        problem.options.watch.proceed()?;
+        problem.options.progress.proceed()?;
         let time_s = problem.segments[index].sample_time_s;
         let prewhitening = prewhitenings.iter().find(|prewhitening| prewhitening.sample_time_s == time_s);
         let mut rows =

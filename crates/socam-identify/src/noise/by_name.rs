@@ -8,7 +8,7 @@ impl NoiseLevels {
     /// Levels by channel name: one above 0 for every output channel of the model, and one of 0 or more for each input that is noisy.
     ///
     /// # Errors
-    /// [`IdentifyError::Option`] for a channel that the model does not have, a number that is no level, and an output without one.
+    /// [`IdentifyError::Option`] for a channel that the model does not have, a number that is not a level, and an output without a level.
     pub fn by_name(model: &Model, levels: &[(String, f64)]) -> Result<Self, IdentifyError> {
         let outputs: Vec<_> = model.outputs().map(|channel| channel.name.as_str()).collect();
         let inputs: Vec<_> = model.inputs().map(|channel| channel.name.as_str()).collect();

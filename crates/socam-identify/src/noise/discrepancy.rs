@@ -23,7 +23,7 @@ pub(crate) struct Discrepancy {
 pub(crate) type Segment<'a> = (f64, &'a [Vec<f64>]);
 
 impl Discrepancy {
-    /// One for each sample time of the segments. Values of zero count as missing.
+    /// Estimates the levels for each sample time of the segments. Values of zero count as missing.
     pub(crate) fn estimate(segments: &[Segment<'_>]) -> Vec<Self> {
         let mut times: Vec<f64> = segments.iter().map(|(time_s, _)| *time_s).collect();
         times.sort_by(f64::total_cmp);
@@ -42,7 +42,7 @@ impl Discrepancy {
         each.collect()
     }
 
-    /// The one of a sample time.
+    /// The levels of a sample time.
     pub(crate) fn at(all: &[Self], sample_time_s: f64) -> Option<&Self> {
         all.iter().find(|own| own.sample_time_s == sample_time_s)
     }
@@ -73,7 +73,7 @@ mod tests {
     #[test]
     fn each_output_is_divided_by_its_standard_deviation() {
         let mut outputs = [noise(1.0, 1), noise(50.0, 2)];
-        // Missing values are no small residuals.
+        // Missing values do not count as small residuals.
         outputs[1][..4000].fill(0.0);
         let all = Discrepancy::estimate(&[(1e-3, &outputs)]);
         let mut block = Mat::from_fn(4, 1, |i, _| [1.0, 2.0, 50.0, 100.0][i]);

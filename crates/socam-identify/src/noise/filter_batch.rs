@@ -10,7 +10,7 @@ pub(crate) struct FilterBatch {
     lanes: usize,
     states: usize,
     outputs: usize,
-    /// For each state, and for each output: its factors of the states. A factor that is zero in all filters is left out.
+    /// For each state, then for each output: the factors of the states. A factor that is zero in all filters is left out.
     transition: Vec<Vec<Factor>>,
     output: Vec<Vec<Factor>>,
     /// For each state: factors of the outputs.

@@ -95,7 +95,7 @@ impl InnovationsFilter {
         finite.then_some(filter)
     }
 
-    /// Largest modulus of the filter's poles; at least one where the filter never forgets its past.
+    /// Largest modulus of the filter's poles; at least one if the filter's state does not decay.
     pub(crate) fn spectral_radius(&self) -> f64 {
         let (n, p) = (self.states, self.outputs);
         let gain = DMatrix::from_row_slice(n, p, &self.gain);

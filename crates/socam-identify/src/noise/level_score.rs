@@ -55,7 +55,7 @@ impl Score {
     /// Step of the logarithms of the variances, and the gain of log-likelihood that it predicts.
     pub(crate) fn step(&self) -> (Vec<f64>, f64) {
         let levels = self.sensitivity.len();
-        // The identity keeps a level without information where it is.
+        // The identity keeps a level without information unchanged.
         let information = &self.information + DMatrix::identity(levels, levels);
         let step = information.lu().solve(&self.sensitivity).unwrap_or_else(|| DVector::zeros(levels));
         let step = step.map(|s| s.clamp(-LONGEST, LONGEST));

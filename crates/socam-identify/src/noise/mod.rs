@@ -1,5 +1,5 @@
-//! Noise: its levels at inputs and outputs (`levels`, `input_noise`, or given: `by_name`), the filters that whiten residuals (`innovations_filter`,
-//! `prewhitening`), its bias in the information (`regressor_noise`), and the discrepancy of a model that lacks physics (`discrepancy`).
+//! Noise: its levels at inputs and outputs (`levels`, `input_noise`, or given: `by_name`), the filters that whiten residuals
+//! (`innovations_filter`, `prewhitening`), its bias in the information (`regressor_noise`), and model discrepancy (`discrepancy`).
 
 mod by_name;
 pub(crate) mod discrepancy;

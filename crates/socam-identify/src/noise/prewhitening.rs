@@ -33,8 +33,8 @@ pub(crate) struct Prewhitening {
     factors: Vec<f64>,
 }
 
-/// One prewhitening for each sample time, at parameter `values`; `scales` are those of the sensitivities; empty if no input is noisy. `None` where no stationary filter
-/// exists.
+/// One prewhitening for each sample time, at parameter `values`; empty if no input is noisy. `scales` are those of the sensitivities.
+/// `None` if no stationary filter exists.
 pub(crate) fn all(
     problem: &Problem<'_>,
     values: &[f64],

@@ -5,8 +5,8 @@ use socam_model::Equations;
 
 use crate::{Intersample, prediction::intersample};
 
-/// Samples before and after an interval whose noise is modelled within it. A band-limited reconstruction depends on more samples, with
-/// weights below a hundredth.
+/// Number of samples before and after an interval whose noise is modelled within it. A band-limited reconstruction depends on more samples,
+/// with weights below a hundredth.
 const REACH: usize = 3;
 
 /// State-space model of the coloured part of the residuals: x(k+1) = transition x(k) + drive w(k), r(k) = output x(k), with white w of

@@ -21,8 +21,8 @@ pub(crate) const TOLERANCE: f64 = 0.01;
 /// [`TOLERANCE`] while noise levels or the best start are still sought.
 pub(crate) const COARSE_TOLERANCE: f64 = 10.0;
 
-/// Decrease of the cost over [`SLOW_STEPS`] accepted steps below which a descent has converged too: what still moves is a direction that
-/// the data do not determine.
+/// Decrease of the cost over [`SLOW_STEPS`] accepted steps below which a descent has converged too: then only directions that the data do
+/// not determine still change.
 const SLOW_GAIN: f64 = 0.2;
 
 /// Number of accepted steps for [`SLOW_GAIN`].
@@ -52,7 +52,7 @@ pub enum End {
     Converged,
     /// Converged with at least one parameter at its bound.
     AtBound,
-    /// Steps that should help do not: the cost is not smooth here, or the model does not fit at all.
+    /// Steps with a predicted decrease do not lower the cost: it is not smooth here, or the model does not fit at all.
     Stalled,
     /// The iteration limit was reached.
     IterationLimit,
@@ -60,7 +60,7 @@ pub enum End {
     Interrupted,
 }
 
-/// A descent: where it is, or where it ended.
+/// State of a descent, during it or at its end.
 pub(crate) struct Descent {
     pub(crate) point: Point,
     pub(crate) weights: Weights,
@@ -82,7 +82,7 @@ impl Descent {
         channel_sums(&self.evaluated)
     }
 
-    /// Noise unit of a predicted decrease: where the model does not fit, a step may gain more by chance.
+    /// Unit of a predicted decrease: the reduced chi-square, at least 1. If the model does not fit, a step may gain more by chance.
     fn unit(&self) -> f64 {
         self.misfit().max(1.0)
     }
@@ -137,8 +137,8 @@ pub(crate) fn descend(
     let mut factor = at.factor(problem);
     let mut costs = vec![at.cost];
     while at.iterations < max_iterations {
-        problem.options.watch.tell(stage, at.iterations, Some(at.misfit()));
-        if problem.options.watch.stops() {
+        problem.options.progress.tell(stage, at.iterations, Some(at.misfit()));
+        if problem.options.progress.stops() {
             at.end = End::Interrupted;
             break;
         }
@@ -201,8 +201,8 @@ fn accepted(
     Ok(lower)
 }
 
-/// Reason to end a descent after a refused step, if there is one. A cost that rises along a step with a predicted decrease of less
-/// than `least` is rough, and shorter steps would only follow its folds.
+/// Reason to end a descent after a refused step, if there is one. A cost that rises along a step with a predicted decrease of less than
+/// `least` is rough, and shorter steps would not help.
 fn refused(at: &Descent, predicted: f64, least: f64, damping: f64) -> Option<End> {
     if predicted <= least {
         return Some(End::Converged);

@@ -1,21 +1,21 @@
-//! The one inner loop of least squares: rows are folded into a triangle by reflections.
+//! Inner loop of least squares: rows are folded into a triangular factor by Householder reflections.
 //!
-//! The triangle on top keeps its shape throughout, so the reflection of column j touches only row j of it and the rows below
-//! (LAPACK's `tpqrt` with a full pentagon). A library's factorisation of a few columns spends most of its time on
-//! packing; here every pass applies one reflection and takes the products that the next one needs, four columns at a
-//! time, so that a block that fits the first cache is read once per column.
+//! The triangle on top keeps its shape throughout, so the reflection of column j touches only row j of it and the rows below (LAPACK's
+//! `tpqrt` with a full pentagon). A library's factorisation of a few columns spends most of its time on packing. Here every pass applies
+//! one reflection and computes the products for the next one, four columns at a time, so that a block that fits the first cache is read
+//! once per column.
 
 use pulp::{Simd, WithSimd};
 
 /// Heights and strides are multiples of this; rows of zeros fill up.
 pub(crate) const LANES: usize = 8;
 
-/// Columns that share one reading of the mirror.
+/// Number of columns that one pass over the reflection vector changes.
 const GROUP: usize = 4;
 
-/// Makes [top; rows] upper triangular by orthogonal transformations. `top` is `columns` x `columns`, upper triangular, one
-/// column after another; so are the rows, `stride` values from column to column, the first `height` of which count.
-/// What is left in `rows` is of no use.
+/// Makes [top; rows] upper triangular by orthogonal transformations. `top` is `columns` x `columns`, upper triangular, one column after
+/// another; so are the rows, `stride` values from column to column, the first `height` of which count. The final content of `rows` has no
+/// meaning.
 pub(crate) fn fold(top: &mut [f64], rows: &mut [f64], stride: usize, height: usize, columns: usize) {
     debug_assert!(height.is_multiple_of(LANES) && stride.is_multiple_of(LANES) && height <= stride);
     if height > 0 && columns > 0 {
@@ -53,8 +53,8 @@ impl WithSimd for Fold<'_> {
     }
 }
 
-/// Reflects row j of the triangle, given the products of column j of the rows with itself and its successors, and says which
-/// multiple of column j is to be taken from each successor in the rows.
+/// Reflects row j of the triangle, given the products of column j of the rows with itself and with the columns after it. Sets `factors` to
+/// the multiples of column j that are subtracted from these columns of the rows.
 #[inline(always)]
 fn reflect(top: &mut [f64], j: usize, products: &[f64], factors: &mut [f64]) {
     let n = products.len();
@@ -80,7 +80,7 @@ struct Size {
     height: usize,
 }
 
-/// Takes `factors` times the mirror from each open column, and the products of the first of them with all.
+/// Subtracts `factors` times the reflection vector from each remaining column; computes the products of the first of these with all.
 #[inline(always)]
 fn pass<S: Simd, const APPLY: bool>(
     simd: S,
@@ -123,9 +123,9 @@ fn pass<S: Simd, const APPLY: bool>(
     }
 }
 
-/// A group of columns in a [`pass`].
+/// A group of remaining columns in a [`pass`].
 struct Part<'a, V> {
-    /// The first open column; `None` where it is the first of these.
+    /// The first remaining column; `None` if this group begins with it.
     head: Option<&'a [V]>,
     mirror: &'a [V],
     size: Size,

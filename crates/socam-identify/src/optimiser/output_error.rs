@@ -19,8 +19,8 @@ use crate::{
 /// Number of searches for outliers. Without the large ones the noise level falls, and smaller ones are found.
 const MOST_CLEANINGS: usize = 3;
 
-/// Fits the free parameters of the problem's model to all its recordings by output error: the model is simulated
-/// from the measured inputs, and the weighted squares of its output errors are minimised.
+/// Fits the free parameters of the problem's model to all its recordings by output error: the model is simulated from the measured inputs,
+/// and the weighted squares of its output errors are minimised. Parameters and results are in SI.
 ///
 /// ```
 /// use socam_identify::{Options, Problem, output_error};
@@ -33,6 +33,12 @@ const MOST_CLEANINGS: usize = 3;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
+/// # Method
+/// Levenberg-Marquardt descents (K. Madsen, H. B. Nielsen, O. Tingleff, Methods for Non-Linear Least Squares Problems, 2004) in turn with
+/// maximum-likelihood estimates of the noise levels. Residuals coloured by input noise are whitened by a filter that follows the parameters
+/// (errors in variables: Söderström, Automatica 43, 2007). Intervals are sandwich estimates with the lag of D. W. K. Andrews
+/// (Econometrica 59, 1991).
+///
 /// # Assumes
 /// The residuals of a complete model are sensor noise, and the input does not depend on that noise. Noise of the inputs is estimated
 /// with it. Intervals allow for coloured residuals (they come from sums of scores over blocks of 0.5 s), not for bias.
@@ -42,7 +48,7 @@ const MOST_CLEANINGS: usize = 3;
 /// them. Model the loop (a servo) and use its reference as the input.
 ///
 /// # Errors
-/// When a recording cannot be read, or the model overflows at its start values. Not converging is no error: see
+/// When a recording cannot be read, or the model overflows at its start values. A fit that does not converge is not an error: see
 /// [`Identification::end`].
 pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyError> {
     let clock = report::CpuClock::start();
@@ -93,7 +99,7 @@ pub fn at_minimum(
     let parameterless = levels::without_parameters(problem);
     let found = with_nuisance_fitted(&parameterless, point, noise.weights(&parameterless, &at.values))?
         .ok_or_else(diverged)?;
-    let end = if problem.options.watch.stops() { End::Interrupted } else { End::Converged };
+    let end = if problem.options.progress.stops() { End::Interrupted } else { End::Converged };
     // The correction for regressor noise needs the share of input noise in the residuals.
     let inputs = noise.levels().inputs.iter().map(|std| std / noise.excess().max(1.0).sqrt());
     let weights = Weights { input_std: inputs.collect(), ..noise.weights(problem, &at.values) };

@@ -1,9 +1,8 @@
-//! Least squares in square-root form: rows go in, a triangular factor stays.
+//! Least squares in square-root form: rows are folded into a triangular factor.
 //!
-//! Columns are [nuisance | free | residual]. Nuisance parameters (start state, offsets) belong to one segment; after their elimination
-//! the factor of the free parameters is the lower right corner. Blocks are
-//! folded in one after the other by orthogonal transformations, so the condition number is never squared
-//! (as it would be in normal equations) and memory is one block.
+//! Columns are [nuisance | free | residual]. Nuisance parameters (start state, offsets) belong to one segment; after their elimination the
+//! factor of the free parameters is the lower right corner. Blocks are folded in one after the other by orthogonal transformations, so the
+//! condition number is never squared (as it would be in normal equations) and memory is one block.
 
 use faer::{Mat, MatMut, MatRef};
 
@@ -67,7 +66,7 @@ impl QrAccumulator {
 /// (index, norm after elimination, norm before) is false is skipped and uses no row, so that its part stays in the following columns.
 /// The rows after the last pivot belong to these.
 ///
-/// [`QrAccumulator`] gives every column a row, a dependent one a row of rounding errors; so this passes over the finished factor once more.
+/// [`QrAccumulator`] gives a dependent column a row of rounding errors, so the finished factor is processed once more here.
 pub(crate) fn eliminate(
     rows: &mut Mat<f64>,
     count: usize,
@@ -127,7 +126,7 @@ mod tests {
             3 => ((i * 7) % 101) as f64 - 50.0,
             _ => ((i * 7 + j * i * i + 3) % 101) as f64 - 50.0,
         };
-        // Column 1 is nothing, column 3 comes twice.
+        // Column 1 is zero, and column 3 occurs twice.
         let rows = Mat::from_fn(400, 7, |i, j| value(i, if j == 4 { 3 } else { j }));
         let mut factor = join([rows.as_ref()].into_iter(), 7);
         let pivots = eliminate(&mut factor, 5, |_, remainder, length| remainder > 1e-8 * length);

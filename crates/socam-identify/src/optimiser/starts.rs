@@ -61,7 +61,7 @@ pub(crate) fn best_start(
     let base = Point { values: first.clone(), nuisance: evaluation::first_nuisance(&short, &first)? };
     let weights = first_weights(&short, &base)?;
     let one = |(index, values): (usize, Vec<f64>)| {
-        if index > 0 && problem.options.watch.stops() {
+        if index > 0 && problem.options.progress.stops() {
             return None;
         }
         let stage = Stage::Start { number: index + 1, of: problem.options.starts };

@@ -3,7 +3,7 @@
 /// Solves a square system in place. `matrix` is row by row; `right` holds `columns` right sides, row by row, and becomes the solution.
 /// Returns false where the matrix is singular or not finite.
 pub(crate) fn solve(matrix: &mut [f64], right: &mut [f64], columns: usize) -> bool {
-    // One right side leaves nothing to vectorise.
+    // With one right side there is nothing to vectorise.
     if columns == 1 {
         return eliminate(matrix, right, 1);
     }
@@ -13,7 +13,7 @@ pub(crate) fn solve(matrix: &mut [f64], right: &mut [f64], columns: usize) -> bo
     )
 }
 
-/// The elimination of [`solve`], compiled for the lanes of the processor at hand.
+/// The elimination of [`solve`], compiled for the SIMD lanes of the present processor.
 #[inline(always)]
 fn eliminate(matrix: &mut [f64], right: &mut [f64], columns: usize) -> bool {
     let n = right.len() / columns.max(1);

@@ -11,7 +11,7 @@ use crate::prediction::{
 pub(crate) enum Event<'w> {
     /// A step was accepted; the state has not moved yet.
     Step(&'w AcceptedStep<'w>),
-    /// Teeth met or parted within the last step; state and forces are already those after the switch.
+    /// Teeth met or parted within the last step; state and forces are those after the switch.
     Switch(&'w SwitchingEvent),
     /// A held input jumped, and with it the input of a port.
     Jump(&'w Instant),

@@ -142,7 +142,7 @@ impl Step {
         Self { sensitivities: sensitivities.collect(), value }
     }
 
-    /// Two such steps after each other as one step.
+    /// The map of two such steps in sequence.
     fn doubled(&self, dimensions: Dimensions) -> Self {
         let after = |first: &DMatrix<f64>, last: &DMatrix<f64>| {
             let mut map = last.columns(0, dimensions.states) * halved(first, 0, dimensions);
@@ -179,7 +179,7 @@ fn add_driven(map: &mut DMatrix<f64>, last: &DMatrix<f64>, dimensions: Dimension
 fn halved(map: &DMatrix<f64>, half: usize, dimensions: Dimensions) -> DMatrix<f64> {
     let mut whole = DMatrix::zeros(map.nrows(), map.ncols());
     whole.columns_mut(0, dimensions.states).copy_from(&map.columns(0, dimensions.states));
-    // Values at the start, middle and end of each half by those of the whole.
+    // Values at the start, middle and end of each half, from those of the whole step.
     let parabolas = [
         [[1.0, 0.0, 0.0], [0.375, 0.75, -0.125], [0.0, 1.0, 0.0]],
         [[0.0, 1.0, 0.0], [-0.125, 0.75, 0.375], [0.0, 0.0, 1.0]],

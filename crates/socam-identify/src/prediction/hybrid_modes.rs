@@ -19,7 +19,7 @@ use crate::prediction::{
 /// Play below this is integrated through its smooth law, rad: the law rounds its corners over a similar width.
 const LEAST_GAP: f64 = 1e-9;
 
-/// The linear motion of a mode, and the laws beside it.
+/// The linear motion of a mode, and its force laws.
 pub(crate) struct LinearDynamics {
     /// Equations with only the active ports.
     pub(crate) equations: Equations,

@@ -136,7 +136,7 @@ impl<'a> Integrator<'a> {
         self.keep_forces();
     }
 
-    /// Makes the forces at the end of a step those at the start of the next one.
+    /// The forces at the end of a step become those at the start of the next one.
     fn keep_forces(&mut self) {
         let (ports, forces) = (self.dimensions.ports, self.dimensions.forces());
         for p in 0..ports {
@@ -193,7 +193,7 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Whether an input that a port sees directly continues from another value than its last one.
+    /// Whether an input with a direct effect on a port input jumps at the start of a sample.
     fn jumps(&self, inputs: &[InputPolynomial]) -> bool {
         let seen = &self.dynamics().equations.port_input;
         let last = &self.xi[self.dimensions.states + 2 * self.dimensions.inputs..];

@@ -55,8 +55,8 @@ pub(crate) fn diagonalise(matrix: &DMatrix<f64>) -> Option<(Vec<C>, DMatrix<C>, 
     Some((poles, vectors, inverse))
 }
 
-/// Scales of the states, powers of two, that bring rows and columns to similar norms (balancing: Parlett and Reinsch 1969). A state
-/// holds wind-ups of 1e-5 rad beside speeds of 100 rad/s.
+/// Scales of the states, powers of two, that bring rows and columns to similar norms (balancing: Parlett and Reinsch 1969). States have
+/// magnitudes from 1e-5 rad (twists) to 100 rad/s (speeds).
 pub(crate) fn balance(matrix: &DMatrix<f64>) -> Vec<f64> {
     let n = matrix.nrows();
     let mut scale = vec![1.0; n];

@@ -38,12 +38,12 @@ impl LinearMap {
         Self { columns, weights: weights.collect() }
     }
 
-    /// Makes `target` the map of the signals' first samples, a row for each; its columns lie each in one piece.
+    /// Sets `target` to the map of the signals' first samples, one row per sample; each column is contiguous.
     pub(crate) fn write(&self, signals: &Signals, target: MatMut<'_, f64>) {
         pulp::Arch::new().dispatch(Product::<false> { map: self, signals, target });
     }
 
-    /// Adds it to `target`.
+    /// Adds the map of the signals' first samples to `target`.
     pub(crate) fn add(&self, signals: &Signals, target: MatMut<'_, f64>) {
         pulp::Arch::new().dispatch(Product::<true> { map: self, signals, target });
     }

@@ -35,7 +35,7 @@ impl Recursion {
         let mut weights = Vec::new();
         let span = steps + hold.taps.len() - 1;
         for source in 0..=span {
-            // One unit input, or at last a unit chi.
+            // A unit value of one coefficient, or for the last source of chi.
             let inputs: Vec<f64> = (0..span).map(|k| if k == source { 1.0 } else { 0.0 }).collect();
             let mut state = (C::from(if source == span { 1.0 } else { 0.0 }), C::default());
             let mut lanes = [const { Vec::new() }; 4];
@@ -53,7 +53,7 @@ impl Recursion {
         Self { hold, real, steps, weights, chi: C::default(), psi: C::default() }
     }
 
-    /// This recursion started at chi = 1.
+    /// This recursion with the state chi = 1.
     pub(crate) fn left_at_one(&self) -> Self {
         Self { chi: C::from(1.0), psi: C::default(), ..self.clone() }
     }
@@ -97,8 +97,8 @@ impl WithSimd for Lanes {
     }
 }
 
-/// Goes on as far as the coefficients `inputs` reach, with the modes' chi into the first half of `signals` and their psi into
-/// the second.
+/// Advances as far as the coefficients `inputs` reach. Writes the modes' chi to the first half of `signals`, and their psi to the second
+/// half.
 pub(crate) fn advance(recursions: &mut [Recursion], inputs: &[f64], signals: &mut [&mut [f64]]) {
     each(recursions, signals, |recursion, chi, psi| {
         let steps = (inputs.len() + 1).saturating_sub(recursion.hold.taps.len());

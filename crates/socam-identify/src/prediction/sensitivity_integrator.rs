@@ -214,7 +214,7 @@ impl SegmentIntegration<'_> {
         finite
     }
 
-    /// One output's rows: [start | offsets | free | prediction], the first two only where something is any_nuisance there.
+    /// One output's rows: [start | offsets | free | prediction], the first two only with `any_nuisance`.
     fn write(&self, output: usize, any_nuisance: bool, target: MatMut<'_, f64>) {
         let unit = 1.0 / self.weights.noise_std[output];
         let starts = self.nuisance.len() - self.offsets.len();

@@ -8,7 +8,7 @@ use crate::prediction::{
     step_level::{Dimensions, padded},
 };
 
-/// One part of a step: makes the sensitivities of some of its rows from those of states and forces.
+/// One part of a step: computes the sensitivities of some rows of its map from those of states and forces.
 pub(crate) struct StepSensitivities<'a> {
     pub(crate) dimensions: Dimensions,
     pub(crate) step: &'a AcceptedStep<'a>,

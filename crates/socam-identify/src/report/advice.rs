@@ -1,4 +1,4 @@
-//! Advice: sensors and experiments that would determine what the data left open.
+//! Advice: sensors and experiments that would determine the parameters that the data do not determine.
 
 use socam_model::{Model, Spring};
 

@@ -1,7 +1,7 @@
 //! Parameters and combinations with intervals, and which of them the data do not determine.
 
 use faer::MatRef;
-use socam_model::{EffectUse, Model, Parameter, effects::Kind};
+use socam_model::{EffectUse, Model, Parameter, effects::QuantityKind};
 
 use crate::{
     IdentifyError, evaluation,
@@ -156,7 +156,7 @@ fn usual(model: &Model, values: &[f64], index: usize) -> f64 {
 fn size(model: &Model, index: usize, value: f64) -> f64 {
     let is_phase = |used: &EffectUse| {
         let mut own = used.effect.parameters.iter().zip(&used.parameters);
-        own.any(|(parameter, own)| *own == index && parameter.kind == Kind::Phase)
+        own.any(|(parameter, own)| *own == index && parameter.kind == QuantityKind::Phase)
     };
     if model.effects.iter().any(is_phase) { 1.0 } else { value.abs() }
 }

@@ -13,7 +13,7 @@ pub const SCHEMA: &str = "socam.identification/1";
 pub enum Source {
     /// The recordings.
     Data,
-    /// Mostly what was known before.
+    /// Mostly the prior.
     Prior,
     /// The parameter was not estimated.
     Fixed,
@@ -127,9 +127,9 @@ pub struct Identification {
     pub left_out: Vec<LeftOut>,
     /// Advice for quantities that are not determined: sensors and experiments that would determine them.
     pub advice: Vec<String>,
-    /// Anything a careful reader should know.
+    /// Warnings about the result.
     pub warnings: Vec<String>,
-    /// Point values of all parameters, SI, determined or not: what reproduces `fit`. For writing models.
+    /// Point values of all parameters, SI, determined or not: they reproduce `fit` and are written into models.
     #[serde(skip)]
     pub point: Vec<f64>,
     /// Sum of squared residuals in noise units, halved.

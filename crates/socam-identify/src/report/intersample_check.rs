@@ -1,4 +1,4 @@
-//! Check of the intersample assumption: whether another one moves an estimate out of its interval, and whether the recordings contradict it.
+//! Check of the intersample assumption: whether another one moves an estimate out of its interval, or contradicts the recordings.
 
 use socam_model::{Channel, ChannelTransform, Intersample};
 
@@ -18,7 +18,7 @@ use crate::{
 
 /// Difference of two deviances above which the recordings distinguish two assumptions.
 const TOLD_APART: f64 = 10.0;
-/// The linearised deviance decides alone where it exceeds [`TOLD_APART`] this many times.
+/// Multiple of [`TOLD_APART`] above which the linearised deviance decides without a descent.
 const CLEARLY: f64 = 10.0;
 /// Smallest move of an estimate that is reported, in half widths of its interval.
 const LEAST_MOVE: f64 = 1.0;

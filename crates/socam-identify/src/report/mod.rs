@@ -54,7 +54,7 @@ pub(crate) fn identification(
     starts: &[StartResult],
     clock: CpuClock,
 ) -> Result<Identification, IdentifyError> {
-    problem.options.watch.tell(Stage::Intervals, 0, None);
+    problem.options.progress.tell(Stage::Intervals, 0, None);
     let weights = evaluation::Weights { scores: true, ..descent.weights.clone() };
     let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
     descent.evaluated = evaluation::run(problem, &descent.point, &weights)?.ok_or_else(diverged)?;

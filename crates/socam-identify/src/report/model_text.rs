@@ -5,7 +5,7 @@ use socam_model::{Model, ModelError, Update};
 use crate::{End, Identification, Source};
 
 impl Identification {
-    /// The text of `model`'s file with the identified values, their intervals and sources. Fixed parameters stay as they are.
+    /// The text of `model`'s file with the identified values, their intervals and sources. Fixed parameters are unchanged.
     ///
     /// # Errors
     /// [`ModelError::File`] where [`Model::text`] is not TOML.

@@ -1,4 +1,4 @@
-//! Recordings with spikes, saturation and gaps, of different rates and lengths, against the same without.
+//! Fits to recordings with spikes, saturation and gaps, of different rates and lengths, compared with fits to clean recordings.
 
 use socam_model::Model;
 use socam_recording::Dataset;
@@ -135,7 +135,7 @@ fn a_law_too_steep_for_any_step_is_said() {
     assert!(result.warnings.iter().any(|warning| warning.contains("steeper than")), "{:?}", result.warnings);
 }
 
-/// The thesis' bench at its fit, measured by the noise levels that the fit found.
+/// The thesis' bench at its fit, evaluated under the noise levels of the fit.
 fn at_its_fit<T>(
     data: &[Dataset],
     ask: impl Fn(&Problem<'_>, &comparison::NoiseModel, &Model, &comparison::Evaluation) -> T,

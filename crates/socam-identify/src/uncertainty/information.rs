@@ -1,4 +1,4 @@
-//! Fisher information of recordings that are not made yet: intervals of a fit, and how well another model could imitate them.
+//! Fisher information of planned recordings: intervals of a fit, and how well another model could imitate the recordings.
 
 use faer::Mat;
 
@@ -68,8 +68,8 @@ impl Information {
         Self { factor: qr::join(both.into_iter(), self.factor.ncols()), scales: self.scales.clone() }
     }
 
-    /// Sum of squares, in noise units, that no small change of the free parameters removes: zero for recordings of this model; for those
-    /// of another one, what distinguishes the two.
+    /// Sum of squares, in noise units, that no small change of the free parameters removes: zero for recordings of this model; for
+    /// recordings of another model, the squared difference between the two.
     #[must_use]
     pub fn left(&self) -> f64 {
         let free = self.scales.len();

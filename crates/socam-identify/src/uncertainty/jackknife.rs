@@ -25,7 +25,7 @@ const LEAST_LEFT: f64 = 0.1;
 /// with `model`). Residuals may be correlated within a recording in any way. `None` with too few recordings.
 ///
 /// The sandwich estimate clustered by recording with leave-one-out scores (the jackknife, CV3) and Student's t of m-1 degrees of freedom
-/// (A. C. Cameron, D. L. Miller, J. Human Resources 50, 2015, section VI). It says nothing of a parameter that one recording alone
+/// (A. C. Cameron, D. L. Miller, J. Human Resources 50, 2015, section VI). It gives no information on a parameter that one recording alone
 /// determines, and misses errors that are the same in all recordings.
 ///
 /// ```

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-        Linearisation, POSITIVE, Places, Prior, Response, Steady, all_zero, begin_with_little,
+        Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
+        Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
     },
     experiment,
     kinds::CONTACT_DAMPING,
@@ -19,9 +19,9 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Gear,
     places: Places::Every,
     parameters: &[
-        EffectParameter::new("gap", Kind::Angle, POSITIVE),
+        EffectParameter::new("gap", QuantityKind::Angle, POSITIVE),
         // The damping of the contact, which is proportional to its stiffness, is used where a file gives none.
-        EffectParameter::usual(CONTACT_DAMPING, Kind::Damping, (0.0, 0.0)),
+        EffectParameter::usual(CONTACT_DAMPING, QuantityKind::Damping, (0.0, 0.0)),
     ],
     borrows: Some(Borrowed::Contact),
     form: Form::Laws(&[Law {

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
-        Kind, Law, Linearisation, Places, Prior, Steady, all_zero, begin_with_little,
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
+        Linearisation, Places, Prior, QuantityKind, Steady, all_zero, begin_with_little,
     },
     experiment, shape,
 };
@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     name: "constant load",
     acts_at: ActsAt::Node,
     places: Places::Load,
-    parameters: &[EffectParameter::new("torque", Kind::Torque, ANY)],
+    parameters: &[EffectParameter::new("torque", QuantityKind::Torque, ANY)],
     borrows: None,
     form: Form::Laws(&[Law {
         law_inputs: &[],

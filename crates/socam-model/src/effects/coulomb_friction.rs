@@ -2,8 +2,9 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-        Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, all_zero, begin_with_little,
+        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, all_zero,
+        begin_with_little,
     },
     experiment, shape,
 };
@@ -19,8 +20,8 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Bearing,
     places: Places::Every,
     parameters: &[
-        EffectParameter::new("torque", Kind::Torque, POSITIVE),
-        EffectParameter::usual("transition_speed", Kind::Speed, TRANSITION_SPEED),
+        EffectParameter::new("torque", QuantityKind::Torque, POSITIVE),
+        EffectParameter::usual("transition_speed", QuantityKind::Speed, TRANSITION_SPEED),
     ],
     borrows: None,
     form: Form::Laws(&[Law {

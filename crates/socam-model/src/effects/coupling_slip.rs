@@ -3,8 +3,8 @@
 use super::{
     definition::{
         Acts, ActsAt, Amplitude, Borrowed, Condition, Coordinate, Discrepancy, Effect, EffectParameter,
-        Equivalent, Form, Kind, Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady,
-        begin_with_little,
+        Equivalent, Form, Law, LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response,
+        Steady, begin_with_little,
     },
     experiment, shape,
 };
@@ -16,7 +16,7 @@ pub(super) const EFFECT: Effect = Effect {
     name: "coupling slip",
     acts_at: ActsAt::Spring,
     places: Places::Every,
-    parameters: &[EffectParameter::new("torque", Kind::Torque, POSITIVE)],
+    parameters: &[EffectParameter::new("torque", QuantityKind::Torque, POSITIVE)],
     borrows: Some(Borrowed::Stiffness),
     form: Form::Laws(&[
         Law {

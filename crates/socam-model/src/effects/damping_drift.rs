@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law,
-        LawInput, Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little,
+        ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
+        Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
     },
     experiment, shape,
 };
@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     name: "damping drift",
     acts_at: ActsAt::Bearing,
     places: Places::Every,
-    parameters: &[EffectParameter::new("rate", Kind::Rate, ANY)],
+    parameters: &[EffectParameter::new("rate", QuantityKind::Rate, ANY)],
     borrows: Some(Borrowed::Damping),
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Speed, LawInput::Time],

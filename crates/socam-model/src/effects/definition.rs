@@ -4,7 +4,7 @@ pub(super) use super::{
     amplitude::{Amplitude, Coordinate, Linearisation, Steady},
     discrepancy::Discrepancy,
     effect::Effect,
-    kinds::{ANY, EffectParameter, Kind, POSITIVE},
+    kinds::{ANY, EffectParameter, POSITIVE, QuantityKind},
     law::{Acts, Borrowed, Form, Law, LawInput, Response},
     places::{ActsAt, Places},
     prior::Prior,

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
-        Kind, Law, LawInput, Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little,
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
+        LawInput, Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
     },
     experiment, shape,
 };
@@ -18,9 +18,9 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Bearing,
     places: Places::Every,
     parameters: &[
-        EffectParameter::new("torque_difference", Kind::Torque, ANY),
-        EffectParameter::new("damping_difference", Kind::Damping, ANY),
-        EffectParameter::usual("transition_speed", Kind::Speed, (0.05, 2e-3)),
+        EffectParameter::new("torque_difference", QuantityKind::Torque, ANY),
+        EffectParameter::new("damping_difference", QuantityKind::Damping, ANY),
+        EffectParameter::usual("transition_speed", QuantityKind::Speed, (0.05, 2e-3)),
     ],
     borrows: None,
     form: Form::Laws(&[Law {

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-        Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little,
+        Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput, Linearisation,
+        Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
     },
     experiment, shape,
 };
@@ -15,7 +15,7 @@ pub(super) const EFFECT: Effect = Effect {
     name: "direction-dependent gain",
     acts_at: ActsAt::Channel,
     places: Places::Channels,
-    parameters: &[EffectParameter::new("difference", Kind::Ratio, (-1.9, 1.9))],
+    parameters: &[EffectParameter::new("difference", QuantityKind::Ratio, (-1.9, 1.9))],
     borrows: None,
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Reading],

@@ -4,7 +4,7 @@ use super::{
     amplitude::{Amplitude, Linearisation, Steady},
     discrepancy::Discrepancy,
     experiment::{self, Experiment},
-    kinds::{EffectParameter, Kind},
+    kinds::{EffectParameter, QuantityKind},
     law::{Borrowed, Form, Law, LawInput},
     places::{ActsAt, Places},
     prior::Prior,
@@ -153,7 +153,7 @@ impl Effect {
     /// Whether it has a phase parameter. A wave of unknown phase is the sum of a sine and a cosine, each with its own amplitude.
     #[must_use]
     pub fn is_wave(&self) -> bool {
-        self.parameters.iter().any(|own| own.kind == Kind::Phase)
+        self.parameters.iter().any(|own| own.kind == QuantityKind::Phase)
     }
 
     /// Whether one of its laws depends on an angle.

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-        Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little, wave,
+        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
+        Linearisation, POSITIVE, Places, Prior, QuantityKind, Steady, begin_with_little, wave,
     },
     experiment, shape,
 };
@@ -15,9 +15,9 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Node,
     places: Places::Load,
     parameters: &[
-        EffectParameter::new("torque", Kind::Torque, POSITIVE),
-        EffectParameter::new("frequency", Kind::Frequency, POSITIVE),
-        EffectParameter::new("phase", Kind::Phase, ANY),
+        EffectParameter::new("torque", QuantityKind::Torque, POSITIVE),
+        EffectParameter::new("frequency", QuantityKind::Frequency, POSITIVE),
+        EffectParameter::new("phase", QuantityKind::Phase, ANY),
     ],
     borrows: None,
     form: Form::Laws(&[Law {

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-        Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little,
+        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little,
     },
     experiment, presliding, shape,
 };
@@ -20,9 +20,9 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Spring,
     places: Places::Every,
     parameters: &[
-        EffectParameter::new("torque", Kind::Torque, POSITIVE),
-        EffectParameter::new("deflection", Kind::Angle, POSITIVE),
-        EffectParameter::usual("transition_speed", Kind::Speed, (0.02, 8e-4)),
+        EffectParameter::new("torque", QuantityKind::Torque, POSITIVE),
+        EffectParameter::new("deflection", QuantityKind::Angle, POSITIVE),
+        EffectParameter::usual("transition_speed", QuantityKind::Speed, (0.02, 8e-4)),
     ],
     borrows: None,
     form: Form::Laws(&[

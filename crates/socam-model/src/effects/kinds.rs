@@ -8,7 +8,7 @@ pub struct EffectParameter {
     /// Name, as in a model file and on the command line.
     pub name: &'static str,
     /// Kind of quantity; it determines the unit for rotation and for translation.
-    pub kind: Kind,
+    pub kind: QuantityKind,
     /// Value where the model file gives none, SI (rotational, translational); `None` where the file must give it.
     pub default: Option<(f64, f64)>,
     /// Least and greatest meaningful value, SI.
@@ -17,12 +17,12 @@ pub struct EffectParameter {
 
 impl EffectParameter {
     /// A parameter that a model file must give.
-    pub(super) const fn new(name: &'static str, kind: Kind, bounds: (f64, f64)) -> Self {
+    pub(super) const fn new(name: &'static str, kind: QuantityKind, bounds: (f64, f64)) -> Self {
         Self { name, kind, default: None, bounds }
     }
 
     /// A parameter with a default, which is fixed at it unless a model file gives the parameter; not negative.
-    pub(super) const fn usual(name: &'static str, kind: Kind, default: (f64, f64)) -> Self {
+    pub(super) const fn usual(name: &'static str, kind: QuantityKind, default: (f64, f64)) -> Self {
         Self { name, kind, default: Some(default), bounds: (0.0, f64::INFINITY) }
     }
 }
@@ -37,7 +37,7 @@ pub(super) const POSITIVE: (f64, f64) = (0.0, f64::INFINITY);
 
 /// Kinds of quantity that parameters have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum QuantityKind {
     /// N m (N).
     Torque,
     /// rad/s (m/s).
@@ -76,13 +76,13 @@ pub enum Kind {
     Gain,
 }
 
-impl Kind {
-    /// SI unit for a rotational or a translational model; empty for [`Kind::Gain`].
+impl QuantityKind {
+    /// SI unit for a rotational or a translational model; empty for [`QuantityKind::Gain`].
     ///
     /// ```
-    /// use socam_model::effects::Kind;
+    /// use socam_model::effects::QuantityKind;
     ///
-    /// assert_eq!((Kind::Damping.unit(true), Kind::Damping.unit(false)), ("N m s/rad", "N s/m"));
+    /// assert_eq!((QuantityKind::Damping.unit(true), QuantityKind::Damping.unit(false)), ("N m s/rad", "N s/m"));
     /// ```
     pub fn unit(self, rotational: bool) -> &'static str {
         match (self, rotational) {

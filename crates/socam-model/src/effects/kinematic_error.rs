@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Kind, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little, wave,
+        ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
+        Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little, wave,
     },
     experiment, shape,
 };
@@ -16,9 +16,9 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Gear,
     places: Places::Every,
     parameters: &[
-        EffectParameter::new("order", Kind::Ratio, POSITIVE),
-        EffectParameter::new("amplitude", Kind::Angle, POSITIVE),
-        EffectParameter::new("phase", Kind::Phase, ANY),
+        EffectParameter::new("order", QuantityKind::Ratio, POSITIVE),
+        EffectParameter::new("amplitude", QuantityKind::Angle, POSITIVE),
+        EffectParameter::new("phase", QuantityKind::Phase, ANY),
     ],
     borrows: Some(Borrowed::Stiffness),
     form: Form::Laws(&[Law {

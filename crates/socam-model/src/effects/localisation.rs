@@ -2,24 +2,24 @@
 
 use super::{
     effect::Effect,
-    kinds::Kind,
+    kinds::QuantityKind,
     law::{Borrowed, Form, LawInput},
     places::{ActsAt, Places, is_part},
 };
 use crate::{Channel, ChannelTransform, Model, Motion, Quantity, Role};
 
 impl Model {
-    /// SI unit of a parameter of this kind at a place. [`Kind::Gain`] has the unit of the channel of that name, or "1" where there is none.
+    /// SI unit of a parameter of this kind at a place. [`QuantityKind::Gain`] has the unit of the channel of that name, or "1" where there is none.
     ///
     /// ```
-    /// use socam_model::{Model, effects::Kind};
+    /// use socam_model::{Model, effects::QuantityKind};
     ///
     /// let model = Model::builtin("two-mass").expect("an embedded model");
-    /// assert_eq!(model.unit_at(Kind::Torque, "load_bearing"), "N m");
-    /// assert_eq!(model.unit_at(Kind::Gain, "load_speed"), "rad/s");
+    /// assert_eq!(model.unit_at(QuantityKind::Torque, "load_bearing"), "N m");
+    /// assert_eq!(model.unit_at(QuantityKind::Gain, "load_speed"), "rad/s");
     /// ```
     #[must_use]
-    pub fn unit_at(&self, kind: Kind, place: &str) -> &str {
+    pub fn unit_at(&self, kind: QuantityKind, place: &str) -> &str {
         match kind.unit(self.motion == Motion::Rotation) {
             "" => {
                 self.channels.iter().find(|channel| channel.name == place).map_or("1", |channel| channel.unit)

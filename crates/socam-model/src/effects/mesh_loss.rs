@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-        Law, LawInput, Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little,
+        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
+        LawInput, Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
     },
     experiment, shape,
 };
@@ -18,9 +18,9 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Gear,
     places: Places::Every,
     parameters: &[
-        EffectParameter::new("fraction", Kind::Ratio, (0.0, 0.95)),
-        EffectParameter::usual("transition_speed", Kind::Speed, (0.05, 2e-3)),
-        EffectParameter::usual("transition_torque", Kind::Torque, (0.1, 1.0)),
+        EffectParameter::new("fraction", QuantityKind::Ratio, (0.0, 0.95)),
+        EffectParameter::usual("transition_speed", QuantityKind::Speed, (0.05, 2e-3)),
+        EffectParameter::usual("transition_torque", QuantityKind::Torque, (0.1, 1.0)),
     ],
     borrows: None,
     form: Form::Laws(&[Law {

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Kind, Linearisation,
-        POSITIVE, Places, Prior, Steady,
+        ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Linearisation, POSITIVE,
+        Places, Prior, QuantityKind, Steady,
     },
     experiment,
 };
@@ -15,8 +15,8 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Shaft,
     places: Places::Every,
     parameters: &[
-        EffectParameter::new("stiffness", Kind::Stiffness, POSITIVE),
-        EffectParameter::new("damping", Kind::Damping, POSITIVE),
+        EffectParameter::new("stiffness", QuantityKind::Stiffness, POSITIVE),
+        EffectParameter::new("damping", QuantityKind::Damping, POSITIVE),
     ],
     borrows: None,
     form: Form::Compliance,

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-        Linearisation, Places, Prior, Steady,
+        ANY, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
+        Linearisation, Places, Prior, QuantityKind, Steady,
     },
     experiment,
 };
@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     name: "missing inertia",
     acts_at: ActsAt::Node,
     places: Places::Free,
-    parameters: &[EffectParameter::new("inertia", Kind::Inertia, ANY)],
+    parameters: &[EffectParameter::new("inertia", QuantityKind::Inertia, ANY)],
     borrows: None,
     form: Form::Inertia,
     amplitude: Amplitude::of(&["inertia"]),

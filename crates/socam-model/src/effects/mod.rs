@@ -62,7 +62,7 @@ pub use discrepancy::Discrepancy;
 pub use effect::Effect;
 pub use experiment::Experiment;
 pub(crate) use kinds::CONTACT_DAMPING;
-pub use kinds::{EffectParameter, Kind};
+pub use kinds::{EffectParameter, QuantityKind};
 pub use law::{Acts, Borrowed, Form, Law, LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS, Response};
 pub use places::{ActsAt, Places, is_part};
 pub use prior::{Prior, Shape};

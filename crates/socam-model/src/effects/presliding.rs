@@ -4,8 +4,8 @@
 use super::{
     coulomb_friction,
     definition::{
-        Acts, ActsAt, Discrepancy, Effect, EffectParameter, FittedValues, Form, Kind, Law, LawInput,
-        Linearisation, POSITIVE, Places, Prior, Replaces, Rig, Steady, Values, begin_with_little,
+        Acts, ActsAt, Discrepancy, Effect, EffectParameter, FittedValues, Form, Law, LawInput, Linearisation,
+        POSITIVE, Places, Prior, QuantityKind, Replaces, Rig, Steady, Values, begin_with_little,
     },
     experiment, shape, stribeck_friction,
 };
@@ -18,8 +18,8 @@ pub(super) const COULOMB: Effect = Effect {
     acts_at: ActsAt::Bearing,
     places: Places::Every,
     parameters: &[
-        EffectParameter::new("torque", Kind::Torque, POSITIVE),
-        EffectParameter::new("deflection", Kind::Angle, POSITIVE),
+        EffectParameter::new("torque", QuantityKind::Torque, POSITIVE),
+        EffectParameter::new("deflection", QuantityKind::Angle, POSITIVE),
         TRANSITION,
     ],
     borrows: None,
@@ -88,10 +88,10 @@ pub(super) const STRIBECK: Effect = Effect {
     acts_at: ActsAt::Bearing,
     places: Places::Every,
     parameters: &[
-        EffectParameter::new("torque", Kind::Torque, POSITIVE),
-        EffectParameter::new("static_torque", Kind::Torque, POSITIVE),
-        EffectParameter::new("stribeck_speed", Kind::Speed, POSITIVE),
-        EffectParameter::new("deflection", Kind::Angle, POSITIVE),
+        EffectParameter::new("torque", QuantityKind::Torque, POSITIVE),
+        EffectParameter::new("static_torque", QuantityKind::Torque, POSITIVE),
+        EffectParameter::new("stribeck_speed", QuantityKind::Speed, POSITIVE),
+        EffectParameter::new("deflection", QuantityKind::Angle, POSITIVE),
         TRANSITION,
     ],
     borrows: None,
@@ -148,7 +148,8 @@ pub(super) const STRIBECK: Effect = Effect {
 };
 
 /// Speed, rad/s (m/s), over which the corner of |w| at standstill is rounded.
-const TRANSITION: EffectParameter = EffectParameter::usual("transition_speed", Kind::Speed, (5e-3, 2e-4));
+const TRANSITION: EffectParameter =
+    EffectParameter::usual("transition_speed", QuantityKind::Speed, (5e-3, 2e-4));
 
 /// Start deflections, rad; for translation in units of 0.01 m.
 const DEFLECTIONS: [f64; 3] = [1e-4, 1e-3, 1e-2];

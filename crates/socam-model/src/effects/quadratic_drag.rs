@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-        Linearisation, Places, Prior, Response, Steady, all_zero, begin_with_little,
+        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
+        Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
     },
     experiment, shape,
 };
@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     name: "quadratic drag",
     acts_at: ActsAt::Bearing,
     places: Places::Every,
-    parameters: &[EffectParameter::new("coefficient", Kind::Drag, ANY)],
+    parameters: &[EffectParameter::new("coefficient", QuantityKind::Drag, ANY)],
     borrows: None,
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Speed],

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
-        Kind, Law, LawInput, Linearisation, POSITIVE, Places, Prior, Steady, all_zero, begin_with_little,
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Steady, all_zero, begin_with_little,
     },
     experiment,
     sensor_lag::SHORT,
@@ -25,7 +25,7 @@ pub(super) const EFFECT: Effect = Effect {
     name: "sensor delay",
     acts_at: ActsAt::Channel,
     places: Places::Sensors,
-    parameters: &[EffectParameter::new("delay", Kind::Time, POSITIVE)],
+    parameters: &[EffectParameter::new("delay", QuantityKind::Time, POSITIVE)],
     borrows: None,
     form: Form::Delay,
     amplitude: Amplitude::of(&["delay"]),
@@ -57,7 +57,7 @@ pub(super) const AT_INPUT: Effect = Effect {
     name: EFFECT.name,
     acts_at: ActsAt::Channel,
     places: Places::Inputs,
-    parameters: &[EffectParameter::new("delay", Kind::Time, ANY)],
+    parameters: &[EffectParameter::new("delay", QuantityKind::Time, ANY)],
     borrows: None,
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Change],

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-        Linearisation, Places, Prior, Response, Steady, all_zero,
+        Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput, Linearisation,
+        Places, Prior, QuantityKind, Response, Steady, all_zero,
     },
     experiment, shape,
 };
@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     name: "sensor fold",
     acts_at: ActsAt::Channel,
     places: Places::Sensors,
-    parameters: &[EffectParameter::new("share", Kind::Ratio, (0.0, 1.0))],
+    parameters: &[EffectParameter::new("share", QuantityKind::Ratio, (0.0, 1.0))],
     borrows: None,
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Reading],

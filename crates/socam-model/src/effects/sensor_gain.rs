@@ -3,7 +3,7 @@
 use super::{
     definition::{
         ActsAt, Amplitude, Condition, Coordinate, Discrepancy, Effect, EffectParameter, Equivalent, Form,
-        Kind, Linearisation, Places, Prior, Steady, begin_with_little,
+        Linearisation, Places, Prior, QuantityKind, Steady, begin_with_little,
     },
     experiment,
 };
@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     name: "sensor gain",
     acts_at: ActsAt::Channel,
     places: Places::Channels,
-    parameters: &[EffectParameter::new("gain", Kind::Ratio, (0.01, 100.0))],
+    parameters: &[EffectParameter::new("gain", QuantityKind::Ratio, (0.01, 100.0))],
     borrows: None,
     form: Form::Gain,
     amplitude: Amplitude { parameters: &["gain"], null: 1.0, coordinate: Coordinate::Value },

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-        Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little, wave,
+        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
+        Linearisation, POSITIVE, Places, Prior, QuantityKind, Steady, begin_with_little, wave,
     },
     experiment, shape,
 };
@@ -15,9 +15,9 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Channel,
     places: Places::Channels,
     parameters: &[
-        EffectParameter::new("amplitude", Kind::Gain, POSITIVE),
-        EffectParameter::new("frequency", Kind::Frequency, POSITIVE),
-        EffectParameter { name: "phase", kind: Kind::Phase, default: Some((0.0, 0.0)), bounds: ANY },
+        EffectParameter::new("amplitude", QuantityKind::Gain, POSITIVE),
+        EffectParameter::new("frequency", QuantityKind::Frequency, POSITIVE),
+        EffectParameter { name: "phase", kind: QuantityKind::Phase, default: Some((0.0, 0.0)), bounds: ANY },
     ],
     borrows: None,
     form: Form::Laws(&[Law {

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-        Linearisation, POSITIVE, Places, Prior, Steady, begin_with_little,
+        ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Linearisation,
+        POSITIVE, Places, Prior, QuantityKind, Steady, begin_with_little,
     },
     experiment,
 };
@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     name: "sensor lag",
     acts_at: ActsAt::Channel,
     places: Places::Sensors,
-    parameters: &[EffectParameter::new("time_constant", Kind::Time, POSITIVE)],
+    parameters: &[EffectParameter::new("time_constant", QuantityKind::Time, POSITIVE)],
     borrows: None,
     form: Form::Lag,
     amplitude: Amplitude::of(&["time_constant"]),

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Kind, Law, Linearisation,
-        Places, Prior, Steady, all_zero, begin_with_little,
+        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, Linearisation, Places,
+        Prior, QuantityKind, Steady, all_zero, begin_with_little,
     },
     experiment, shape,
 };
@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     name: "sensor offset",
     acts_at: ActsAt::Channel,
     places: Places::Channels,
-    parameters: &[EffectParameter::new("offset", Kind::Gain, ANY)],
+    parameters: &[EffectParameter::new("offset", QuantityKind::Gain, ANY)],
     borrows: None,
     form: Form::Laws(&[Law {
         law_inputs: &[],

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Kind, Law, LawInput,
-        Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little,
+        Acts, ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
+        Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little,
     },
     experiment, shape,
 };
@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     name: "sensor saturation",
     acts_at: ActsAt::Channel,
     places: Places::Sensors,
-    parameters: &[EffectParameter::new("limit", Kind::Gain, POSITIVE)],
+    parameters: &[EffectParameter::new("limit", QuantityKind::Gain, POSITIVE)],
     borrows: None,
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Reading],
@@ -52,8 +52,8 @@ pub(super) const AT_INPUT: Effect = Effect {
     acts_at: ActsAt::Channel,
     places: Places::Inputs,
     parameters: &[
-        EffectParameter::new("limit", Kind::Gain, POSITIVE),
-        EffectParameter::new("excess", Kind::Gain, POSITIVE),
+        EffectParameter::new("limit", QuantityKind::Gain, POSITIVE),
+        EffectParameter::new("excess", QuantityKind::Gain, POSITIVE),
     ],
     borrows: None,
     form: Form::Laws(&[Law {
@@ -82,7 +82,7 @@ pub(super) const AT_INPUT: Effect = Effect {
     discrepancy: &[Discrepancy::share(
         "excess",
         0.5,
-        "the excess is a mean over what was cut off, and the true course differs from it: 50 %",
+        "the excess is a mean over what was cut off, and the true signal differs from it: 50 %",
     )],
     replaces: &[],
     equivalents: &[],

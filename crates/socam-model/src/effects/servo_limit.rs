@@ -2,7 +2,7 @@
 
 use super::{
     effect::Effect,
-    kinds::{EffectParameter, Kind, POSITIVE},
+    kinds::{EffectParameter, POSITIVE, QuantityKind},
     law::{Acts, Form, Law, LawInput, Response},
     places::ActsAt,
     shape,
@@ -12,7 +12,7 @@ use super::{
 pub(crate) static SERVO_LIMIT: Effect = Effect::bare(
     "servo limit",
     ActsAt::Node,
-    &[EffectParameter::new("limit", Kind::Torque, POSITIVE)],
+    &[EffectParameter::new("limit", QuantityKind::Torque, POSITIVE)],
     None,
     Form::Laws(&[Law {
         law_inputs: &[LawInput::Torque],

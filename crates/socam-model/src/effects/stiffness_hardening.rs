@@ -3,7 +3,7 @@
 use super::{
     definition::{
         ANY, Acts, ActsAt, Amplitude, Borrowed, Condition, Discrepancy, Effect, EffectParameter, Equivalent,
-        Form, Kind, Law, LawInput, Linearisation, Places, Prior, Response, Steady, all_zero,
+        Form, Law, LawInput, Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero,
         begin_with_little,
     },
     experiment, shape,
@@ -15,7 +15,7 @@ pub(super) const EFFECT: Effect = Effect {
     name: "stiffness hardening",
     acts_at: ActsAt::Spring,
     places: Places::Every,
-    parameters: &[EffectParameter::new("cubic", Kind::PerAngleSquared, ANY)],
+    parameters: &[EffectParameter::new("cubic", QuantityKind::PerAngleSquared, ANY)],
     borrows: Some(Borrowed::Stiffness),
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Twist],

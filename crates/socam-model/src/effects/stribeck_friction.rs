@@ -3,8 +3,9 @@
 use super::{
     coulomb_friction::FRICTION,
     definition::{
-        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Kind,
-        Law, LawInput, Linearisation, POSITIVE, Places, Prior, Replaces, Response, Steady, begin_with_little,
+        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Replaces, Response, Steady,
+        begin_with_little,
     },
     experiment, shape,
 };
@@ -16,10 +17,10 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Bearing,
     places: Places::Every,
     parameters: &[
-        EffectParameter::new("torque", Kind::Torque, POSITIVE),
-        EffectParameter::new("static_torque", Kind::Torque, POSITIVE),
-        EffectParameter::new("stribeck_speed", Kind::Speed, POSITIVE),
-        EffectParameter::usual("transition_speed", Kind::Speed, (0.05, 2e-3)),
+        EffectParameter::new("torque", QuantityKind::Torque, POSITIVE),
+        EffectParameter::new("static_torque", QuantityKind::Torque, POSITIVE),
+        EffectParameter::new("stribeck_speed", QuantityKind::Speed, POSITIVE),
+        EffectParameter::usual("transition_speed", QuantityKind::Speed, (0.05, 2e-3)),
     ],
     borrows: None,
     form: Form::Laws(&[Law {

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
-        Kind, Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little,
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little,
         wave,
     },
     experiment, shape,
@@ -17,9 +17,9 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Node,
     places: Places::Driven,
     parameters: &[
-        EffectParameter::new("order", Kind::Ratio, POSITIVE),
-        EffectParameter::new("torque", Kind::Torque, POSITIVE),
-        EffectParameter::new("phase", Kind::Phase, ANY),
+        EffectParameter::new("order", QuantityKind::Ratio, POSITIVE),
+        EffectParameter::new("torque", QuantityKind::Torque, POSITIVE),
+        EffectParameter::new("phase", QuantityKind::Phase, ANY),
     ],
     borrows: None,
     form: Form::Laws(&[Law {

@@ -3,8 +3,8 @@
 use super::{
     coulomb_friction::FRICTION,
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
-        Kind, Law, LawInput, Linearisation, POSITIVE, Places, Prior, Response, Steady, begin_with_little,
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little,
     },
     experiment, shape,
 };
@@ -18,8 +18,8 @@ pub(super) const EFFECT: Effect = Effect {
     acts_at: ActsAt::Bearing,
     places: Places::Every,
     parameters: &[
-        EffectParameter::new("torque", Kind::Torque, ANY),
-        EffectParameter::new("fall_speed", Kind::Speed, POSITIVE),
+        EffectParameter::new("torque", QuantityKind::Torque, ANY),
+        EffectParameter::new("fall_speed", QuantityKind::Speed, POSITIVE),
     ],
     borrows: None,
     form: Form::Laws(&[Law {

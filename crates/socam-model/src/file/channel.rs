@@ -8,7 +8,7 @@ use super::{
     reader::Reader,
     wording::meant,
 };
-use crate::{Channel, ChannelTransform, ModelError, Quantity, Role, effects::Kind};
+use crate::{Channel, ChannelTransform, ModelError, Quantity, Role, effects::QuantityKind};
 
 /// SI unit of a recording's column by the suffix of its name; `None` where the name has no known suffix.
 ///
@@ -59,7 +59,8 @@ impl Reader<'_> {
             }
             None => ChannelTransform::Value,
         };
-        let gain = raw.gain.as_ref().map(|gain| self.parameter("gain", gain, Kind::Ratio)).transpose()?;
+        let gain =
+            raw.gain.as_ref().map(|gain| self.parameter("gain", gain, QuantityKind::Ratio)).transpose()?;
         let (unit, suffix) = channel_unit(raw.quantity, self.rotational);
         let factor = self.factor(&name, &raw, take, unit)?;
         let suffix = if raw.unit.is_some() { "_1" } else { suffix };

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     EffectUse, Model, ModelError, Node, Parameter, Shaft, Site, Spring,
-    effects::{self, ActsAt, Borrowed, CONTACT_DAMPING, Effect, EffectParameter, Kind},
+    effects::{self, ActsAt, Borrowed, CONTACT_DAMPING, Effect, EffectParameter, QuantityKind},
 };
 
 /// Default damping over stiffness of a gear's contact, s: an impact decays within a sample at 1 kHz.
@@ -165,12 +165,13 @@ impl Reader<'_> {
         model.nodes.push(Node { name: format!("{place}.out"), inertia: None });
         model.gears[gear].to = model.nodes.len() - 1;
         let contact_stiffness = self.contact_stiffness;
-        let mut own = |name: &'static str, kind: Kind, value: f64| {
+        let mut own = |name: &'static str, kind: QuantityKind, value: f64| {
             let parameter = EffectParameter { name, kind, default: None, bounds: (0.0, f64::INFINITY) };
             self.default_of(&place, &parameter, (value, value))
         };
-        let stiffness = own("contact_stiffness", Kind::Stiffness, contact_stiffness);
-        let damping = Some(own(CONTACT_DAMPING, Kind::Damping, CONTACT_RELAXATION_S * contact_stiffness));
+        let stiffness = own("contact_stiffness", QuantityKind::Stiffness, contact_stiffness);
+        let damping =
+            Some(own(CONTACT_DAMPING, QuantityKind::Damping, CONTACT_RELAXATION_S * contact_stiffness));
         let from = model.nodes.len() - 1;
         model.springs.push(Spring { name, from, to: Some(slow), stiffness, damping });
         model.springs.len() - 1

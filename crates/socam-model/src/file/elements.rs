@@ -4,7 +4,7 @@ use super::{
     raw::{RawBearing, RawDifferential, RawGear, RawMotor, RawServo, RawShaft, RawSpring},
     reader::Reader,
 };
-use crate::{Bearing, Differential, Gear, ModelError, Motor, Servo, Shaft, Spring, effects::Kind};
+use crate::{Bearing, Differential, Gear, ModelError, Motor, Servo, Shaft, Spring, effects::QuantityKind};
 
 impl Reader<'_> {
     pub(super) fn spring(&mut self, raw: RawSpring) -> Result<Spring, ModelError> {
@@ -21,14 +21,14 @@ impl Reader<'_> {
             name: raw.name.into_inner(),
             from,
             to,
-            stiffness: self.positive(&raw.stiffness, Kind::Stiffness)?,
-            damping: raw.damping.map(|name| self.positive(&name, Kind::Damping)).transpose()?,
+            stiffness: self.positive(&raw.stiffness, QuantityKind::Stiffness)?,
+            damping: raw.damping.map(|name| self.positive(&name, QuantityKind::Damping)).transpose()?,
         })
     }
 
     pub(super) fn gear(&mut self, raw: RawGear) -> Result<Gear, ModelError> {
         self.declare(&raw.name)?;
-        let ratio = self.parameter("ratio", &raw.ratio, Kind::Ratio)?;
+        let ratio = self.parameter("ratio", &raw.ratio, QuantityKind::Ratio)?;
         if self.parameters[ratio].value == 0.0 {
             let message = format!(
                 "ratio \"{}\" is 0, but a gear of ratio N turns its `to` node N times slower; write another value than 0",
@@ -46,7 +46,7 @@ impl Reader<'_> {
         };
         let from = [self.node(first)?, self.node(second)?];
         let factor = |reader: &mut Self, index: usize| {
-            let factor = reader.parameter("factors", &raw.factors[index], Kind::Ratio)?;
+            let factor = reader.parameter("factors", &raw.factors[index], QuantityKind::Ratio)?;
             if reader.parameters[factor].value == 0.0 {
                 let message = "a differential's factor cannot be zero; a joint that one motor moves is a [[gears]] table";
                 return reader.fail(&raw.factors[index], message);
@@ -59,14 +59,17 @@ impl Reader<'_> {
 
     pub(super) fn motor(&mut self, raw: RawMotor) -> Result<Motor, ModelError> {
         self.declare(&raw.name)?;
-        let torque_constant = self.positive(&raw.torque_constant, Kind::TorqueConstant)?;
-        let back_emf = raw.back_emf.map(|name| self.positive(&name, Kind::BackEmf)).transpose()?;
+        let torque_constant = self.positive(&raw.torque_constant, QuantityKind::TorqueConstant)?;
+        let back_emf = raw.back_emf.map(|name| self.positive(&name, QuantityKind::BackEmf)).transpose()?;
         Ok(Motor {
             node: self.node(&raw.at)?,
-            resistance: self.positive(&raw.resistance, Kind::Resistance)?,
+            resistance: self.positive(&raw.resistance, QuantityKind::Resistance)?,
             torque_constant,
             back_emf: back_emf.unwrap_or(torque_constant),
-            inductance: raw.inductance.map(|name| self.positive(&name, Kind::Inductance)).transpose()?,
+            inductance: raw
+                .inductance
+                .map(|name| self.positive(&name, QuantityKind::Inductance))
+                .transpose()?,
             name: raw.name.into_inner(),
         })
     }
@@ -78,7 +81,7 @@ impl Reader<'_> {
 
     pub(super) fn bearing(&mut self, raw: RawBearing) -> Result<Bearing, ModelError> {
         self.declare(&raw.name)?;
-        let damping = raw.damping.map(|name| self.positive(&name, Kind::Damping)).transpose()?;
+        let damping = raw.damping.map(|name| self.positive(&name, QuantityKind::Damping)).transpose()?;
         Ok(Bearing { node: self.node(&raw.at)?, damping, name: raw.name.into_inner() })
     }
 
@@ -86,10 +89,10 @@ impl Reader<'_> {
         self.declare(&raw.name)?;
         Ok(Servo {
             node: self.node(&raw.at)?,
-            position_gain: self.parameter("position_gain", &raw.position_gain, Kind::Gain)?,
-            velocity_gain: self.parameter("velocity_gain", &raw.velocity_gain, Kind::Gain)?,
-            drive_gain: self.parameter("drive_gain", &raw.drive_gain, Kind::Gain)?,
-            limit: raw.limit.map(|name| self.positive(&name, Kind::Torque)).transpose()?,
+            position_gain: self.parameter("position_gain", &raw.position_gain, QuantityKind::Gain)?,
+            velocity_gain: self.parameter("velocity_gain", &raw.velocity_gain, QuantityKind::Gain)?,
+            drive_gain: self.parameter("drive_gain", &raw.drive_gain, QuantityKind::Gain)?,
+            limit: raw.limit.map(|name| self.positive(&name, QuantityKind::Torque)).transpose()?,
             name: raw.name.into_inner(),
         })
     }

@@ -7,7 +7,7 @@ use super::{
     reader::Reader,
     wording::{line_of, meant},
 };
-use crate::{LARGEST_VALUE, ModelError, Parameter, Prior, effects::Kind};
+use crate::{LARGEST_VALUE, ModelError, Parameter, Prior, effects::QuantityKind};
 
 /// Smallest magnitude of a parameter beside zero, SI: quotients by much smaller ones overflow.
 const SMALLEST_VALUE: f64 = 1e-60;
@@ -96,22 +96,27 @@ impl Reader<'_> {
     }
 
     /// The name of the parameter that `key` refers to.
-    fn name_of<'r>(&self, key: &str, reference: &'r Reference, kind: Kind) -> Result<&'r str, ModelError> {
+    fn name_of<'r>(
+        &self,
+        key: &str,
+        reference: &'r Reference,
+        kind: QuantityKind,
+    ) -> Result<&'r str, ModelError> {
         let value = match reference.get_ref() {
             Written::Name(name) => return Ok(name),
             Written::Number(number) => number.to_string(),
             Written::Other => "...".into(),
         };
         let letter = match kind {
-            Kind::Inertia if self.rotational => "J",
-            Kind::Inertia => "m",
-            Kind::Stiffness => "k",
-            Kind::Damping => "c",
-            Kind::Ratio => "N",
-            Kind::Resistance => "R",
-            Kind::Inductance => "L",
-            Kind::TorqueConstant => "kt",
-            Kind::BackEmf => "ke",
+            QuantityKind::Inertia if self.rotational => "J",
+            QuantityKind::Inertia => "m",
+            QuantityKind::Stiffness => "k",
+            QuantityKind::Damping => "c",
+            QuantityKind::Ratio => "N",
+            QuantityKind::Resistance => "R",
+            QuantityKind::Inductance => "L",
+            QuantityKind::TorqueConstant => "kt",
+            QuantityKind::BackEmf => "ke",
             _ => "p",
         };
         let is_free = |name: &String| !self.parameters.iter().any(|parameter| parameter.name == *name);
@@ -131,7 +136,7 @@ impl Reader<'_> {
         &mut self,
         key: &str,
         reference: &Reference,
-        kind: Kind,
+        kind: QuantityKind,
     ) -> Result<usize, ModelError> {
         let label = self.name_of(key, reference, kind)?;
         let Some(index) = self.parameters.iter().position(|parameter| parameter.name == *label) else {
@@ -160,19 +165,28 @@ impl Reader<'_> {
     }
 
     /// Index of a parameter that cannot be negative, see [`Self::parameter`]; its lower bound becomes 0 where the file gives none.
-    pub(super) fn positive(&mut self, reference: &Reference, kind: Kind) -> Result<usize, ModelError> {
+    pub(super) fn positive(
+        &mut self,
+        reference: &Reference,
+        kind: QuantityKind,
+    ) -> Result<usize, ModelError> {
         let key = kind_name(kind);
         let index = self.parameter(key, reference, kind)?;
         let parameter = &mut self.parameters[index];
         parameter.bounds.0 = parameter.bounds.0.max(0.0);
         let (allowed, instead) = match kind {
-            Kind::Inertia => ("positive", "; a node without inertia has no key inertia"),
-            Kind::Stiffness => ("positive", "; where nothing joins the two nodes, leave the spring out"),
-            Kind::Inductance => ("positive", "; where the current follows the voltage at once, leave it out"),
-            Kind::Damping | Kind::BackEmf => ("zero or more", ""),
+            QuantityKind::Inertia => ("positive", "; a node without inertia has no key inertia"),
+            QuantityKind::Stiffness => {
+                ("positive", "; where nothing joins the two nodes, leave the spring out")
+            }
+            QuantityKind::Inductance => {
+                ("positive", "; where the current follows the voltage at once, leave it out")
+            }
+            QuantityKind::Damping | QuantityKind::BackEmf => ("zero or more", ""),
             _ => ("positive", ""),
         };
-        if parameter.value < 0.0 || (parameter.value == 0.0 && !matches!(kind, Kind::Damping | Kind::BackEmf))
+        if parameter.value < 0.0
+            || (parameter.value == 0.0 && !matches!(kind, QuantityKind::Damping | QuantityKind::BackEmf))
         {
             let value = parameter.value / parameter.file_factor;
             let message = format!(
@@ -185,15 +199,15 @@ impl Reader<'_> {
     }
 }
 
-fn kind_name(kind: Kind) -> &'static str {
+fn kind_name(kind: QuantityKind) -> &'static str {
     match kind {
-        Kind::Inertia => "inertia",
-        Kind::Stiffness => "stiffness",
-        Kind::Resistance => "resistance",
-        Kind::Inductance => "inductance",
-        Kind::TorqueConstant => "torque_constant",
-        Kind::BackEmf => "back_emf",
-        Kind::Torque => "limit",
+        QuantityKind::Inertia => "inertia",
+        QuantityKind::Stiffness => "stiffness",
+        QuantityKind::Resistance => "resistance",
+        QuantityKind::Inductance => "inductance",
+        QuantityKind::TorqueConstant => "torque_constant",
+        QuantityKind::BackEmf => "back_emf",
+        QuantityKind::Torque => "limit",
         _ => "damping",
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     jet::{Jet, Scalar},
 };
 
-/// Kind of coordinate, by how its motion is determined.
+/// Kind of a coordinate, by what determines its motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Class {
     /// A differential moves it; it has no coordinate of its own.

@@ -37,7 +37,7 @@ impl MotionMaps<'_, '_> {
                         force.add_block(0, column, &twist.transpose().scaled(&torque));
                     }
                 }
-                // Their currents are the torques, see below.
+                // Their torques follow from the currents in `winding_force`.
                 Quantity::Voltage | Quantity::Current => {}
                 Quantity::Speed
                 | Quantity::Acceleration
@@ -70,7 +70,7 @@ impl MotionMaps<'_, '_> {
         force
     }
 
-    /// Torque on each group from the currents of motors. The part of a current that the speed makes is a damping of the assembly, unless the
+    /// Torque on each group by the currents of motors. The part of a current that the speed makes is a damping of the assembly, unless the
     /// current is a state.
     fn winding_force(&self) -> Jet {
         let mut force = Jet::zeros(self.a.class.len(), self.angle.value.ncols(), self.a.wrt.len());

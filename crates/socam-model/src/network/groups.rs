@@ -40,7 +40,7 @@ pub(super) fn tie_nodes(
     Ok((group, lever, names.len()))
 }
 
-/// The motion of each group as a row over all groups: its own coordinate, or, for a group that a differential moves, the motions of the groups
+/// The motion of each group as a row over all groups: its own coordinate, or, if a differential moves the group, the motions of the groups
 /// that move it.
 pub(super) fn mix_groups(
     model: &Model,

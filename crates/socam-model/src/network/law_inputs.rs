@@ -4,7 +4,7 @@ use super::motion::MotionMaps;
 use crate::{EffectUse, ModelError, Quantity, Site, effects::LawInput, file, jet::Jet};
 
 impl MotionMaps<'_, '_> {
-    /// The row that gives the input of a port.
+    /// The row of a port's input.
     pub(super) fn seen(&self, port: usize) -> Result<Jet, ModelError> {
         let effect = self.port_owner[port];
         let used = &self.a.model.effects[effect];

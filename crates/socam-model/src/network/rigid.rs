@@ -27,8 +27,8 @@ impl Assembly<'_> {
         }
     }
 
-    /// Motion of each group divided by that of `root` while no spring twists. `None` if springs form a loop that prevents it, or if a group is
-    /// not connected to `root`.
+    /// Motion of each group divided by that of `root` while no spring twists. `None` if a loop of springs prevents it, or if a group is not
+    /// connected to `root`.
     pub(super) fn rigid_mode(&self, root: usize) -> Option<Vec<Scalar>> {
         // With a differential, the motion of one group does not determine that of all others.
         if !self.model.differentials.is_empty() {

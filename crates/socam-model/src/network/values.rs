@@ -1,6 +1,6 @@
 //! Conditions on parameter values for equations to exist.
 
-use crate::{Model, ModelError, effects::Kind};
+use crate::{Model, ModelError, effects::QuantityKind};
 
 impl Model {
     pub(super) fn check_values(&self, values: &[f64]) -> Result<(), ModelError> {
@@ -35,8 +35,8 @@ impl Model {
         for used in &self.effects {
             for (parameter, index) in used.effect.parameters.iter().zip(&used.parameters) {
                 // Laws divide by these. A time that may be negative is the delay of an input, which is not a divisor.
-                let scale = matches!(parameter.kind, Kind::Speed)
-                    || (parameter.kind == Kind::Time && parameter.bounds.0 >= 0.0)
+                let scale = matches!(parameter.kind, QuantityKind::Speed)
+                    || (parameter.kind == QuantityKind::Time && parameter.bounds.0 >= 0.0)
                     || matches!(parameter.name, "deflection" | "limit");
                 if scale && values[*index] <= 0.0 {
                     return fail(*index, "positive");

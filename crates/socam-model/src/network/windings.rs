@@ -26,7 +26,7 @@ impl MotionMaps<'_, '_> {
         self.volts(motor).minus(&speed.scaled(&self.a.scalar(motor.back_emf)))
     }
 
-    /// The current of a motor: its state, or what resistance, voltage and speed make it.
+    /// The current of a motor: its state, or the value that follows from resistance, voltage and speed.
     pub(super) fn current(&self, index: usize, motor: &Motor) -> Jet {
         match self.currents[index] {
             Some(column) => {

@@ -192,13 +192,13 @@ fn listed(items: impl Iterator<Item = String>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Course, ProfileFile};
+    use crate::{ProfileFile, Waveform};
 
     #[test]
     fn built_in_profiles_reach_as_far_as_is_said() {
         for name in ["multisine", "chirp"] {
-            let (Course::Multisine { to_hz, .. } | Course::Chirp { to_hz, .. }) =
-                ProfileFile::open(name).unwrap().course
+            let (Waveform::Multisine { to_hz, .. } | Waveform::Chirp { to_hz, .. }) =
+                ProfileFile::open(name).unwrap().waveform
             else {
                 panic!("{name}");
             };

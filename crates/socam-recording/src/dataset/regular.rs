@@ -75,6 +75,14 @@ impl Dataset {
         Ok(steps)
     }
 
+    /// The recording for views of it: irregular samples of all channels are interpolated on a regular grid, regular ones stay as they are.
+    ///
+    /// # Errors
+    /// As [`Self::on_regular_grid`].
+    pub fn regular(self) -> Result<Self> {
+        if self.steps()?.are_irregular() { self.on_regular_grid(1, |_| Carry::Smooth) } else { Ok(self) }
+    }
+
     /// The recording on a regular grid of `parts` points per median step; `carry` says how each channel is resampled.
     ///
     /// ```

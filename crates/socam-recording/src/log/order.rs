@@ -3,8 +3,8 @@
 /// Order of consecutive samples: first and last, and whether time decreased or samples were lost between them.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct SampleOrder {
-    first: Option<Moment>,
-    last: Option<Moment>,
+    first: Option<TimeStamp>,
+    last: Option<TimeStamp>,
     /// The first pair of consecutive times that does not increase, s.
     back_s: Option<(f64, f64)>,
     /// Samples lost, by jumps of their sequence numbers.
@@ -13,7 +13,7 @@ pub(crate) struct SampleOrder {
 
 /// Time and sequence number of a sample.
 #[derive(Debug, Clone, Copy)]
-struct Moment {
+struct TimeStamp {
     time_s: f64,
     sequence: Option<u64>,
 }
@@ -21,8 +21,8 @@ struct Moment {
 impl SampleOrder {
     /// Order of a single sample.
     pub(crate) fn of(time_s: f64, sequence: Option<u64>) -> Self {
-        let moment = Moment { time_s, sequence };
-        Self { first: Some(moment), last: Some(moment), ..Self::default() }
+        let stamp = TimeStamp { time_s, sequence };
+        Self { first: Some(stamp), last: Some(stamp), ..Self::default() }
     }
 
     /// Appends the samples that follow.
@@ -44,7 +44,7 @@ impl SampleOrder {
 
     /// Time of the last sample, s.
     pub(crate) fn last_s(&self) -> Option<f64> {
-        self.last.map(|moment| moment.time_s)
+        self.last.map(|stamp| stamp.time_s)
     }
 
     /// # Errors

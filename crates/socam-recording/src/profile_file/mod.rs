@@ -1,6 +1,6 @@
 //! Command profiles as TOML: in physical units with the unit in the key, converted to the core's integers.
 
-mod course;
+mod waveform;
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,8 +9,8 @@ use socam_core::scaling::micro;
 use socam_core::{Command, Generator, Profile, ProfileError};
 
 use crate::settings::{self, Fields, SettingsError};
-pub use course::Course;
-use course::{LARGEST, LONGEST_S, SHORTEST_S, read_course, us, word, write_course};
+pub use waveform::Waveform;
+use waveform::{LARGEST, LONGEST_S, SHORTEST_S, read_waveform, us, word, write_waveform};
 
 /// A profile in physical units. Levels, amplitudes and [`Self::limit`] are in V, or in rad/s of the motor shaft, as
 /// [`Self::command`] says.
@@ -34,7 +34,7 @@ pub struct ProfileFile {
     /// Quantity that is commanded.
     pub command: Command,
     /// The command over time.
-    pub course: Course,
+    pub waveform: Waveform,
     /// Time to fade in and out, s.
     pub ramp_s: f64,
     /// Largest magnitude, in V or rad/s.
@@ -123,20 +123,20 @@ impl ProfileFile {
         } else {
             Command::Voltage
         };
-        let course = read_course(&mut fields, unit(command));
+        let waveform = read_waveform(&mut fields, unit(command));
         let ramp_s = fields.maybe_number("ramp_s", 0.0..=LONGEST_S).unwrap_or(0.0);
         let limit = fields.number(&format!("limit_{}", unit(command)), 1e-6..=LARGEST);
         let slew = fields.number(slew_key(command), 1e-3..=4000.0);
         let duration_s = fields.number("duration_s", SHORTEST_S..=1e7);
         fields.finish()?;
-        Ok(Self { purpose, command, course, ramp_s, limit, slew, duration_s })
+        Ok(Self { purpose, command, waveform, ramp_s, limit, slew, duration_s })
     }
 
     /// The profile for a board that samples at this period. Errors are the core's, in words.
     pub fn profile(&self, sample_period_us: u32) -> Result<Profile, SettingsError> {
         let refuse = |error: ProfileError| SettingsError::new(format!("this profile cannot run: {error}"));
-        let shape = self.course.shape(sample_period_us).map_err(refuse)?;
-        if let Course::Multisine { offset, amplitude, .. } = self.course
+        let shape = self.waveform.shape(sample_period_us).map_err(refuse)?;
+        if let Waveform::Multisine { offset, amplitude, .. } = self.waveform
             && offset.abs() + amplitude > self.limit
         {
             // The core does not compute the peak of the sum.
@@ -172,7 +172,7 @@ impl ProfileFile {
         if is_speed {
             line("control", word(&CONTROLS, self.command));
         }
-        write_course(&self.course, unit(self.command), &mut line);
+        write_waveform(&self.waveform, unit(self.command), &mut line);
         line("ramp_s", self.ramp_s.to_string());
         line(&format!("limit_{}", unit(self.command)), self.limit.to_string());
         line(slew_key(self.command), self.slew.to_string());

@@ -70,7 +70,7 @@ fn complaints_name_line_key_and_expectation() {
     assert_eq!(complaint("= 1.5", "= nan"), "line 5: `amplitude_V` is nan; expected a number from 0 to 2000");
     assert!(
         complaint("= 1.5", "= 1.9")
-            .starts_with("this profile cannot run: the course reaches 1900000 millionths")
+            .starts_with("this profile cannot run: the command reaches 1900000 millionths")
     );
     assert!(complaint("= 1.5", "= = 1").starts_with("line 5: "));
     let unknown = ProfileFile::open("wiggle").unwrap_err().to_string();

@@ -1,7 +1,7 @@
 //! Findings as HTML: sentence, law, parameters, localisation, evidence and competing models of each.
 
 use maud::{Markup, html};
-use socam_answer::{
+use socam_findings::{
     Proof,
     document::{Curve, EffectParameter, Finding, Over, Rival, UNEXPLAINED},
 };

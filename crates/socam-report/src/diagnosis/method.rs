@@ -1,7 +1,7 @@
 //! How a report was made: recordings, cross-validation, false-alarm rate, command, date, and hashes of files.
 
 use maud::{Markup, html};
-use socam_answer::{Diagnosis, document::Validation};
+use socam_findings::{Diagnosis, document::Validation};
 
 use super::{tables, words};
 use crate::{FileHash, Provenance, scaffold::hashes};

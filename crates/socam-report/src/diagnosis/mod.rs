@@ -16,7 +16,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use socam_answer::{Diagnosis, Evidence, document::SuggestedExperiment};
+use socam_findings::{Diagnosis, Evidence, document::SuggestedExperiment};
 use socam_model::Model;
 use socam_recording::{OutputFile, ProfileFile, RecordingError};
 use thiserror::Error;
@@ -53,11 +53,11 @@ pub fn picture(diagnosis: &Diagnosis) -> Option<String> {
 /// [`ReportError`] with the path.
 ///
 /// ```
-/// use socam_answer::{Diagnosis, Evidence};
+/// use socam_findings::{Diagnosis, Evidence};
 /// use socam_model::Model;
 /// use socam_report::{Provenance, diagnosis};
 ///
-/// # let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../socam-answer/src/headline/example.json"));
+/// # let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../socam-findings/src/headline/example.json"));
 /// # let folder = tempfile::tempdir()?;
 /// # let folder = folder.path();
 /// let found: Diagnosis = serde_json::from_str(text)?;

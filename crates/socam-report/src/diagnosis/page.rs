@@ -1,7 +1,7 @@
 //! The report page: the headline and the first picture, the bench, then sections that can be folded.
 
 use maud::{Markup, html};
-use socam_answer::{
+use socam_findings::{
     Diagnosis, Evidence, Proof,
     headline::{self, Headline, PlaceMark, Tone},
 };

@@ -1,7 +1,7 @@
 //! The first picture: measured against predicted before and after, and the residuals below.
 
 use maud::{Markup, html};
-use socam_answer::{Diagnosis, document::Overlay};
+use socam_findings::{Diagnosis, document::Overlay};
 use socam_plot::{Axis, COLUMNS, Mark, Plot, Series};
 
 /// Heights of both plots on a wide screen.

@@ -1,7 +1,7 @@
 //! Residuals before and after: over speed, angle, torque and frequency for each channel, over time for each recording.
 
 use maud::{Markup, html};
-use socam_answer::{
+use socam_findings::{
     Diagnosis, Evidence,
     evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace},
 };

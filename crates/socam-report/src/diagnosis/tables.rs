@@ -1,7 +1,7 @@
 //! Tables: the fit of each channel, the parameters, effects that were not found, and the recordings.
 
 use maud::{Markup, html};
-use socam_answer::{
+use socam_findings::{
     Diagnosis,
     document::{ChannelFit, NotFound, ParameterChange, UNEXPLAINED},
 };

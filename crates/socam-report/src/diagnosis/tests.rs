@@ -9,7 +9,7 @@ use socam_model::Model;
 
 use super::*;
 use reader::{made, report};
-use socam_answer::{
+use socam_findings::{
     document::{Component, EffectParameter, RecordingUse, Rival, Validation, Verdict},
     evidence::{ChannelEvidence, RecordingTraces, Trace},
 };

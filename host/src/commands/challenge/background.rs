@@ -1,5 +1,4 @@
-//! Background of a realistic bench: the parts that a diagnosis may name, and the effect of the background on what a correct
-//! interval contains.
+//! Background of a realistic bench: the effects that a diagnosis may name, and their influence on the true values of parameters.
 
 use socam_diagnose::document::Finding;
 use socam_sim::challenge::{Background, Case, Drive, Hidden, Measure};
@@ -7,7 +6,7 @@ use socam_sim::challenge::{Background, Case, Drive, Hidden, Measure};
 /// Effects that a delay between channels is named by.
 const DELAYS: [&str; 3] = ["sensor_delay", "sensor_lag", "channel_delay"];
 
-/// Whether the background has an effect. `delay_s` is the stated delay or lag; a rival has none, and either sign will do.
+/// Whether the background has an effect. `delay_s` is the stated delay or lag; a rival has none, and either sign is accepted for it.
 pub(super) fn is_there(case: &Case, (effect, place): (&str, &str), delay_s: Option<f64>) -> bool {
     if DELAYS.contains(&effect) {
         return is_delay_there(case, place, delay_s);
@@ -17,8 +16,8 @@ pub(super) fn is_there(case: &Case, (effect, place): (&str, &str), delay_s: Opti
         || case.background.named().contains(&(effect, place))
 }
 
-/// Delays are relative: an early input cannot be told from outputs that are all late. A delay is there where the channel's own delay differs
-/// from that of another channel in the stated direction.
+/// Delays are relative: an early input and late outputs are indistinguishable. The background has a delay of a channel if that channel's
+/// delay differs from that of another channel in the stated direction.
 fn is_delay_there(case: &Case, place: &str, delay_s: Option<f64>) -> bool {
     let sensors = case.machine.sensors.iter().map(|sensor| sensor.name.as_str());
     let others = sensors.chain([case.machine.input.name.as_str()]).filter(|name| *name != place);

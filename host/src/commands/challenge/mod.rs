@@ -15,7 +15,7 @@ use socam_diagnose::Diagnosis;
 use socam_diagnose::document::Finding;
 use socam_model::Model;
 use socam_recording::Dataset;
-use socam_sim::challenge::{Case, FAMILY_NAMES, Kind, Recordings, family_of};
+use socam_sim::challenge::{Case, CaseKind, FAMILY_NAMES, Recordings, family_of};
 
 use super::Outcome;
 use crate::output;
@@ -94,7 +94,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The engine.
+/// The diagnosis of this program.
 fn diagnose(model: &Model, training: &[Dataset], holdout: &[Dataset]) -> Result<Diagnosis, String> {
     let held_out = socam_diagnose::HeldOut::in_memory(holdout);
     let answer = socam_diagnose::diagnose(model, training, held_out, &socam_diagnose::Options::default());
@@ -113,7 +113,7 @@ fn score_all(
     for number in args.cases.clone() {
         let is_of_family =
             || args.family.as_ref().is_none_or(|family| *family == family_of(args.seed, number));
-        if (!args.clean || Kind::of(number) == Kind::Clean) && is_of_family() {
+        if (!args.clean || CaseKind::of(number) == CaseKind::Clean) && is_of_family() {
             wanted.push(number);
         }
     }
@@ -153,7 +153,7 @@ fn one(args: &Args, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> an
     Ok(score)
 }
 
-/// The answer in the folder with its processor time, s; without one, the diagnosis, which is written there.
+/// The answer in the folder, with its processor time in s. If there is none, diagnoses the case and writes the answer there.
 fn answered(
     seed: u64,
     number: u64,

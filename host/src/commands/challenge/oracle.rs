@@ -5,14 +5,14 @@ use socam_identify::comparison::{self, Evaluation, NoiseModel};
 use socam_identify::{Intersample, NoiseLevels, Options, Problem};
 use socam_model::{Model, effects};
 use socam_recording::Dataset;
-use socam_sim::challenge::{Case, Drive, Hidden, Kind, Recordings};
+use socam_sim::challenge::{Case, CaseKind, Drive, Hidden, Recordings};
 
 /// Greatest number of iterations of a fit; few suffice, since fits start at the truth.
 const MAX_ITERATIONS: usize = 30;
 /// Least decrease of the whitened chi-square of the held-out recordings by a detectable effect, in units of the chi-square per value of the
 /// true model.
 pub(super) const DETECTABLE_GAIN: f64 = 25.0;
-/// Greatest increase of chi-square by an observationally equivalent effect, in the same units: the 99.8 % quantile for one degree of freedom.
+/// Greatest increase of chi-square by an observationally equivalent effect, in these units: the 99.8 % quantile for one degree of freedom.
 const EQUIVALENT_LOSS: f64 = 10.0;
 
 /// Result of the oracle.
@@ -25,7 +25,7 @@ pub(super) struct Oracle {
 }
 
 impl Oracle {
-    /// Whether each hidden effect is detectable beside the unexplained background.
+    /// Whether each hidden effect is detectable in the presence of the unexplained background.
     pub(super) fn detects_all(&self) -> bool {
         let unit = self.misfit.unwrap_or(1.0).max(1.0);
         self.gain.iter().all(|gain| gain.is_some_and(|gain| gain >= DETECTABLE_GAIN * unit))
@@ -36,7 +36,7 @@ impl Oracle {
 pub(super) fn ask(case: &Case, recordings: &Recordings) -> Oracle {
     let nothing = || Oracle { gain: vec![None; case.hidden.len()], misfit: None };
     let answer =
-        if case.kind == Kind::Outside { outside(case, recordings) } else { told_all(case, recordings) };
+        if case.kind == CaseKind::Outside { outside(case, recordings) } else { told_all(case, recordings) };
     answer.unwrap_or_else(|_| nothing())
 }
 
@@ -110,7 +110,7 @@ fn told(case: &Case, hidden: &[Hidden]) -> anyhow::Result<Model> {
     Ok(model)
 }
 
-/// The bench's noise as it is.
+/// The true noise of the bench.
 fn noise_model(case: &Case, model: &Model, recordings: &Recordings) -> anyhow::Result<NoiseModel> {
     let is_measured = case.machine.input.drive == Drive::Speed;
     let input = |name: &str, clock: bool| if clock || !is_measured { 0.0 } else { case.noise_floor(name) };

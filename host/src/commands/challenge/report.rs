@@ -1,10 +1,10 @@
-//! The rates of all cases, clean and realistic apart, for people and as a document.
+//! The rates of all cases, clean and realistic ones separately, as text and as a document.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde::Serialize;
-use socam_sim::challenge::Kind;
+use socam_sim::challenge::CaseKind;
 
 use super::probability::{Bin, calibration, log_score};
 use super::rates::{Rate, as_many_by_chance};
@@ -62,7 +62,7 @@ struct FalseAlarms {
 
 #[derive(Debug, Serialize)]
 struct KindReport {
-    kind: Kind,
+    kind: CaseKind,
     cases: usize,
     detectable: usize,
     /// Rate of correct answers among cases that can be detected; for benches with nothing hidden, the rate of cases without a false
@@ -81,11 +81,11 @@ struct Spread {
     largest: f64,
 }
 
-const KINDS: [(Kind, &str); 4] = [
-    (Kind::Single, "one effect"),
-    (Kind::Double, "two effects"),
-    (Kind::Outside, "not in the catalogue"),
-    (Kind::Clean, "nothing hidden"),
+const KINDS: [(CaseKind, &str); 4] = [
+    (CaseKind::Single, "one effect"),
+    (CaseKind::Double, "two effects"),
+    (CaseKind::Outside, "not in the catalogue"),
+    (CaseKind::Clean, "nothing hidden"),
 ];
 
 impl Report {
@@ -143,13 +143,13 @@ fn or_nothing(list: Vec<String>) -> String {
 
 impl Part {
     fn new(cases: &[&Score]) -> Self {
-        let named = |score: &&&Score| matches!(score.kind, Kind::Single | Kind::Double);
+        let named = |score: &&&Score| matches!(score.kind, CaseKind::Single | CaseKind::Double);
         let detectable: Vec<&Score> = cases.iter().filter(|score| score.detectable).copied().collect();
         let mut families: BTreeMap<String, Vec<bool>> = BTreeMap::new();
         let mut confusion: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
         for score in &detectable {
             families.entry(score.family.clone()).or_default().push(score.right);
-            if score.kind == Kind::Single {
+            if score.kind == CaseKind::Single {
                 let effect = confusion.entry(score.hidden[0].effect.clone()).or_default();
                 *effect.entry(first(score)).or_default() += 1;
             }
@@ -214,7 +214,7 @@ impl Part {
 
 impl FalseAlarms {
     fn new(cases: &[&Score]) -> Self {
-        let empty = || cases.iter().filter(|score| score.kind == Kind::Clean && score.error.is_none());
+        let empty = || cases.iter().filter(|score| score.kind == CaseKind::Clean && score.error.is_none());
         let any = Rate::of(empty().map(|score| !score.named.is_empty()));
         let beside_background = Rate::of(empty().map(|score| score.named.len() > score.background_named));
         let stated_rate = empty().filter_map(|score| score.stated_false_alarm_rate).reduce(f64::max);
@@ -235,7 +235,7 @@ impl FalseAlarms {
 }
 
 impl KindReport {
-    fn new(kind: Kind, cases: &[&Score]) -> Self {
+    fn new(kind: CaseKind, cases: &[&Score]) -> Self {
         let of_kind = || cases.iter().filter(move |score| score.kind == kind);
         // A bench with nothing hidden has nothing to detect.
         let counted = || of_kind().filter(|score| score.detectable);

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 use socam_diagnose::document::{Diagnosis, Finding, UNEXPLAINED};
-use socam_sim::challenge::{Case, Drive, Hidden, Kind};
+use socam_sim::challenge::{Case, CaseKind, Drive, Hidden};
 
 use super::{background, oracle::Oracle};
 
@@ -22,7 +22,7 @@ pub(super) struct Score {
     pub(super) seed: u64,
     pub(super) number: u64,
     pub(super) family: String,
-    pub(super) kind: Kind,
+    pub(super) kind: CaseKind,
     /// Whether the bench has a background that no case names.
     pub(super) realistic: bool,
     pub(super) hidden: Vec<Hidden>,
@@ -49,7 +49,7 @@ pub(super) struct Score {
     pub(super) statements: Vec<(f64, bool)>,
     /// Whether all channels are predicted down to their noise with all findings, curves included; of right answers only.
     pub(super) at_the_floor: Option<bool>,
-    /// Whether the intervals hold the truth; of effects named as they are.
+    /// Whether the intervals contain the truth, for effects that were named correctly.
     pub(super) intervals: Vec<(String, bool)>,
     /// Processor time of the diagnosis, s.
     pub(super) cpu_s: Option<f64>,
@@ -134,10 +134,10 @@ impl<'a> Judge<'a> {
         let is =
             |place: usize, hidden: usize| counted.get(place).is_some_and(|index| self.is[*index][hidden]);
         match self.case.kind {
-            Kind::Clean => counted.is_empty(),
-            Kind::Single => is(0, 0),
-            Kind::Double => is(0, 0) && is(1, 1) || is(0, 1) && is(1, 0),
-            Kind::Outside => counted.first().is_some_and(|first| {
+            CaseKind::Clean => counted.is_empty(),
+            CaseKind::Single => is(0, 0),
+            CaseKind::Double => is(0, 0) && is(1, 1) || is(0, 1) && is(1, 0),
+            CaseKind::Outside => counted.first().is_some_and(|first| {
                 let first = &self.findings[*first];
                 first.effect == UNEXPLAINED
                     || self.case.is_same_body(&first.location, &self.case.hidden[0].place)
@@ -145,10 +145,10 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Whether a finding is wrong: for physics outside the catalogue, one at another place without an unexplained finding; otherwise any that
-    /// was not hidden and that no hidden effect ties with.
+    /// Whether a finding is wrong. For physics outside the catalogue: a finding at another place, if there is no unexplained finding.
+    /// Otherwise: any finding that was not hidden and that no hidden effect ties with.
     fn has_wrong_name(&self, right: bool) -> bool {
-        let outside = self.case.kind == Kind::Outside;
+        let outside = self.case.kind == CaseKind::Outside;
         if outside && self.findings.iter().any(|finding| finding.effect == UNEXPLAINED) {
             return false;
         }
@@ -200,7 +200,7 @@ fn is_small_mass(case: &Case, finding: &Finding) -> bool {
 
 /// Stated probability of each hidden effect of the catalogue, as a finding or as a rival.
 fn probabilities(case: &Case, findings: &[Finding]) -> Vec<f64> {
-    if case.kind == Kind::Outside {
+    if case.kind == CaseKind::Outside {
         return Vec::new();
     }
     let given = |hidden: &Hidden| {
@@ -221,7 +221,7 @@ fn weights(finding: &Finding) -> impl Iterator<Item = (&str, &str, f64)> {
 /// Weight of each named statement, and whether it is true of the hidden effects or of the background; empty if the hidden effect
 /// has no name.
 fn statements(case: &Case, finding: &Finding) -> Vec<(f64, bool)> {
-    if case.kind == Kind::Outside {
+    if case.kind == CaseKind::Outside {
         return Vec::new();
     }
     let named = weights(finding).filter(|(effect, ..)| *effect != UNEXPLAINED);

@@ -17,7 +17,7 @@ fn args(words: &[&str]) -> Args {
         .map_or_else(|error| panic!("{error}"), |line| line.args)
 }
 
-/// Finds nothing, ever.
+/// A diagnosis that never finds anything.
 fn adequate(_: &Model, _: &[Dataset], _: &[Dataset]) -> Result<Diagnosis, String> {
     serde_json::from_value(json!({
         "schema": "socam.diagnosis/1", "verdict": "adequate", "false_alarm_rate": 0.01, "validation": "holdout",
@@ -47,7 +47,7 @@ fn a_case_is_sealed_diagnosed_scored_and_not_done_again() {
         assert_eq!(model.text, case.base().unwrap().text);
         assert!(training.iter().chain(holdout).all(|data| data.name().starts_with("run ")));
         // The truth is on disk and sealed by now.
-        assert_eq!(folder.read::<Case>(1, 0, File::Sealed).unwrap().kind, Kind::Clean);
+        assert_eq!(folder.read::<Case>(1, 0, File::Sealed).unwrap().kind, CaseKind::Clean);
         assert!(folder.read::<Score>(1, 0, File::Score).is_err());
         adequate(model, training, holdout)
     };
@@ -81,7 +81,7 @@ fn recordings_of_a_finished_case_can_be_had_too() {
         [("training-3.csv", &recordings.training[2]), ("holdout-1.csv", &recordings.holdout[0])]
     {
         let read = crate::output::open(kept.join(name).to_str().unwrap()).unwrap();
-        // Sums are taken in another order.
+        // The sums are computed in another order.
         let ends =
             |data: &Dataset| -> Vec<_> { data.statistics().iter().map(|own| (own.min, own.max)).collect() };
         assert_eq!((read.rows(), ends(&read)), (recording.rows(), ends(recording)));
@@ -95,7 +95,7 @@ fn clean_benches_can_be_tried_alone() {
     let (scores, failures) =
         score_all(&args(&["--cases", "0..4", "--clean"]), 2, &folder, &adequate).unwrap();
     assert!(failures.is_empty() && !scores.is_empty());
-    assert!(scores.iter().all(|score| score.kind == Kind::Clean && score.right));
+    assert!(scores.iter().all(|score| score.kind == CaseKind::Clean && score.right));
 }
 
 #[test]
@@ -111,12 +111,13 @@ fn one_family_can_be_tried_alone() {
 /// On a rigid shaft a torque at one end is equivalent to a torque at the other end; friction is not.
 #[test]
 fn equivalence_is_computed_from_the_recordings() {
-    let is_rigid = |number: &u64| Kind::of(*number) == Kind::Clean && family_of(1, *number) == "rigid-servo";
+    let is_rigid =
+        |number: &u64| CaseKind::of(*number) == CaseKind::Clean && family_of(1, *number) == "rigid-servo";
     let mut case = Case::draw(1, (0..400).step_by(2).find(is_rigid).unwrap()).unwrap();
     let machine = &case.machine;
     let pull = 0.2 * machine.amplitude * machine.input.scale;
     let parameters = vec![("torque".into(), pull)];
-    case.kind = Kind::Single;
+    case.kind = CaseKind::Single;
     case.hidden =
         vec![Hidden { effect: "constant_load".into(), place: "load".into(), parameters, own: Vec::new() }];
     let recordings = case.record().unwrap();
@@ -128,8 +129,8 @@ fn equivalence_is_computed_from_the_recordings() {
     assert!(!named("coulomb_friction", "load_bearing"));
 }
 
-/// A fit of the base model to one clean machine of each family, from start values that are wrong by up to three: what is left, as
-/// a share of the noise's variance, channel by channel, and whether the true parameters are found.
+/// Fits the base model to one clean machine, from start values that are wrong by up to three. Returns the ratio of residual to noise
+/// variance by channel, and whether the true parameters are found.
 fn fitted(case: &Case, max_iterations: usize) -> (Vec<f64>, bool) {
     let (base, recordings) = (case.base().unwrap(), case.record().unwrap());
     let options = socam_identify::Options { max_iterations, ..oracle::options(case) };
@@ -147,16 +148,16 @@ fn fitted(case: &Case, max_iterations: usize) -> (Vec<f64>, bool) {
 #[test]
 fn truth_and_model_agree_where_nothing_is_hidden_and_only_there() {
     for family in FAMILY_NAMES.into_iter().filter(|family| *family != "speed-o-cam") {
-        let first = |kind: Kind| {
-            let mut numbers = (0..4000).step_by(2).filter(|number| Kind::of(*number) == kind);
+        let first = |kind: CaseKind| {
+            let mut numbers = (0..4000).step_by(2).filter(|number| CaseKind::of(*number) == kind);
             Case::draw(1, numbers.find(|number| family_of(1, *number) == family).unwrap()).unwrap()
         };
-        let (left, is_true) = fitted(&first(Kind::Clean), 150);
+        let (left, is_true) = fitted(&first(CaseKind::Clean), 150);
         assert!(
             left.iter().all(|share| (0.9..1.25).contains(share)) && is_true,
             "{family}: {left:?} {is_true}"
         );
-        let case = first(Kind::Single);
+        let case = first(CaseKind::Single);
         // A fit that cannot succeed need not be finished.
         let (left, _) = fitted(&case, 10);
         assert!(left.iter().any(|share| *share > 1.3), "{family}: {:?} leaves {left:?}", case.hidden);

@@ -131,7 +131,7 @@ impl Talk<'_> {
         self.session.request(Request::Stream(true))?.context("the board does not stream")
     }
 
-    /// Shows what the board sent while it was waited for an answer.
+    /// Shows samples that arrived while the host waited for an answer.
     fn show_samples(&mut self) {
         self.session.take_samples().for_each(|batch| self.show.take(&batch));
     }
@@ -267,7 +267,7 @@ impl Talk<'_> {
                 (format!("{error:#}"), false, None)
             }
         };
-        // The run has told of its fault; the board's next status names it again.
+        // The run has reported its fault; the board's next status names it again.
         self.is_faulty = report.is_ok_and(|report| matches!(report.end, End::Fault(_)));
         self.tell(News::Ended { path, text, well });
         if let Some(reason) = broken {

@@ -1,4 +1,4 @@
-//! `--diagnose` in the window: it says how far it is, is cancelled, is begun again, and shows what it found.
+//! `--diagnose` in the window: progress, cancellation, a second start, and the findings.
 
 use std::time::{Duration, Instant};
 

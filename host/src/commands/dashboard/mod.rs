@@ -133,7 +133,7 @@ fn outcome(dashboard: &Dashboard) -> Outcome {
     if incomplete.is_empty() { Outcome::Done } else { Outcome::LostSamples }
 }
 
-/// The layout of the last window, or the default one for a picture, changed as the options say.
+/// The layout of the last window, or the default one for a picture, changed by the options.
 fn layout(args: &Args) -> anyhow::Result<Layout> {
     // A picture does not depend on the layout of the last window.
     let mut layout = if args.screenshot.is_some() { Layout::default() } else { window::remembered() };

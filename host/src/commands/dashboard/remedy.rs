@@ -1,4 +1,4 @@
-//! A fault as the window says it: cause and remedy in one sentence.
+//! A fault as text for the window: cause and remedy in one sentence.
 
 use socam_core::Fault;
 use socam_recording::Calibration;

@@ -55,7 +55,7 @@ impl Show {
             values: Vec::new(),
         };
         if after_setup && self.last_tick.is_some() {
-            // Ticks of the set-up had the one period or the other: its duration is taken from this computer's clock.
+            // Ticks during the set-up have either period, so its duration is measured by this computer's clock.
             let since_us = u64::try_from(self.heard.elapsed().as_micros()).unwrap_or(0);
             self.time_us += since_us.saturating_sub(batch.len() as u64 * u64::from(self.period_us));
             self.last_tick = None;

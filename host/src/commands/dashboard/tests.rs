@@ -235,7 +235,7 @@ fn six_channels_at_ten_kilohertz_are_recorded_whole_while_they_are_shown() {
         frames += 1;
     }
     let rate = f64::from(frames) / begin.elapsed().as_secs_f64();
-    // Neither a window that hangs nor its recording misses samples.
+    // A window that hangs loses no samples, and neither does its recording.
     std::thread::sleep(Duration::from_secs(4));
     let own_ms = 1e3 * spent.as_secs_f64() / f64::from(frames);
     click(&mut window, "Stop");

@@ -1,4 +1,4 @@
-//! A run as the window follows it: samples, state, notes and the stop.
+//! Observation of a run by the window: samples, state, notes and the stop.
 
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError};
@@ -67,7 +67,7 @@ impl Monitor for Watcher<'_> {
     fn event(&mut self, event: &Event, tick: Option<u32>) {
         let (mut kind, mut text) = (event.kind.clone(), event.text.clone());
         if kind == "phase" {
-            // The parts of a profile show themselves in the command; the first one begins with the run.
+            // Only the first part of a profile is reported, as the start of the run; the command shows the others.
             if std::mem::replace(&mut self.has_begun, true) {
                 return;
             }

@@ -4,14 +4,14 @@ use std::path::Path;
 
 use socam_design::Tried;
 use socam_job::Designed;
-use socam_recording::{Course, ProfileFile};
+use socam_recording::{ProfileFile, Waveform};
 
 use crate::table;
 
-fn course(profile: &ProfileFile) -> String {
+fn waveform(profile: &ProfileFile) -> String {
     let n = table::number;
-    match profile.course {
-        Course::Multisine { offset, amplitude, from_hz, to_hz, .. } => {
+    match profile.waveform {
+        Waveform::Multisine { offset, amplitude, from_hz, to_hz, .. } => {
             format!(
                 "multisine of {} V about {} V, {} to {} Hz",
                 n(amplitude),
@@ -20,16 +20,16 @@ fn course(profile: &ProfileFile) -> String {
                 n(to_hz)
             )
         }
-        Course::Chirp { offset, amplitude, from_hz, to_hz, .. } => {
+        Waveform::Chirp { offset, amplitude, from_hz, to_hz, .. } => {
             format!("chirp of {} V about {} V, {} to {} Hz", n(amplitude), n(offset), n(from_hz), n(to_hz))
         }
-        Course::Prbs { offset, amplitude, bit_s, .. } => {
+        Waveform::Prbs { offset, amplitude, bit_s, .. } => {
             format!("random steps of {} V about {} V, {} s or longer", n(amplitude), n(offset), n(bit_s))
         }
-        Course::Staircase { first, step, dwell_s, .. } => {
+        Waveform::Staircase { first, step, dwell_s, .. } => {
             format!("reversals from {} V to {} V every {} s", n(first), n(first + step), n(dwell_s))
         }
-        _ => "another course".into(),
+        _ => "another waveform".into(),
     }
 }
 
@@ -43,7 +43,7 @@ pub(super) fn text(done: &Designed, written: Option<&Path>) -> String {
     if let Some([a, b]) = tells_apart {
         text.push_str(&format!("To tell {a} from {b}\n"));
     }
-    text.push_str(&format!("Record a {}: {}\n", course(&design.best.profile), said(&design.best)));
+    text.push_str(&format!("Record a {}: {}\n", waveform(&design.best.profile), said(&design.best)));
     if let Some(reference) = reference {
         let head = ["", "proposed", "five steps"].map(String::from).to_vec();
         let cell = |width: Option<f64>| {
@@ -58,7 +58,8 @@ pub(super) fn text(done: &Designed, written: Option<&Path>) -> String {
         text.push_str(&format!("\n95 % intervals to expect\n{}", table::align(&rows, &[false, true, true])));
     }
     text.push_str(&format!("\nOf {} profiles, the best of each kind\n", design.tried));
-    let rows: Vec<_> = design.others.iter().map(|tried| vec![course(&tried.profile), said(tried)]).collect();
+    let rows: Vec<_> =
+        design.others.iter().map(|tried| vec![waveform(&tried.profile), said(tried)]).collect();
     text.push_str(&table::align(&rows, &[false, false]));
     match written {
         Some(path) => {

@@ -1,8 +1,8 @@
 //! A diagnosis as text: the headline, each finding, the fit, and the parameters.
 
-use socam_answer::document::{Finding, UNEXPLAINED};
-use socam_answer::{Proof, headline, words};
 use socam_diagnose::Diagnosis;
+use socam_findings::document::{Finding, UNEXPLAINED};
+use socam_findings::{Proof, headline, words};
 
 use crate::table;
 
@@ -112,10 +112,10 @@ fn changed(diagnosis: &Diagnosis) -> String {
 mod tests {
     use super::*;
 
-    /// The terminal says what the page and the window say.
+    /// The terminal, the page and the window use the same headline.
     #[test]
     fn the_headline_and_its_numbers_come_first() {
-        let text = include_str!("../../../../crates/socam-answer/src/headline/example.json");
+        let text = include_str!("../../../../crates/socam-findings/src/headline/example.json");
         let diagnosis: Diagnosis = serde_json::from_str(text).unwrap();
         let said = super::text(&diagnosis);
         let headline = headline(&diagnosis);

@@ -1,4 +1,4 @@
-//! `fleet`: many recordings of sister machines, each diagnosed, and what they say together.
+//! `fleet`: diagnoses of many recordings of sister machines, and their summary.
 
 mod progress;
 mod text;
@@ -108,10 +108,10 @@ fn diagnose(args: &Args) -> anyhow::Result<bool> {
     keep(&args.output, &mut part)?;
     let workers = args.jobs.map_or_else(cores, usize::from);
     let interrupt = Interrupt::listen();
-    // The recordings that are begun, or at once.
+    // The first interrupt ends the run after the recordings that have begun; the second one ends the process at once.
     interrupt.answer(1);
     let progress = Progress::new(sources.len(), interrupt.clone());
-    // The message of a panic is in the row.
+    // The row contains the message of a panic.
     std::panic::set_hook(Box::new(|_| {}));
     let done = socam_fleet::run(&sources, (&model, &options, args.row.seed), workers, &mut part, &progress);
     let _ = std::panic::take_hook();

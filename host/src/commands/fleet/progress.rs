@@ -5,7 +5,7 @@ use socam_fleet::Observer;
 
 use crate::interrupt::Interrupt;
 
-/// A bar, hidden where stderr is no terminal.
+/// A progress bar, hidden if stderr is not a terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
     interrupt: Interrupt,

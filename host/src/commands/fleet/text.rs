@@ -88,7 +88,7 @@ fn listed(head: &[&str], right: &[bool], rows: impl ExactSizeIterator<Item = Vec
     text
 }
 
-/// p-values below 1e-15 are not told apart.
+/// p-values below 1e-15 are not distinguished.
 fn p_value(p_value: f64) -> String {
     if p_value < 1e-15 { "< 1e-15".into() } else { format!("{p_value:.1e}") }
 }

@@ -143,7 +143,7 @@ impl Answer {
         })
     }
 
-    /// Parameters and combinations by both weightings and the direct fit, a head first.
+    /// Parameters and combinations by both weightings and the direct fit; the first row is the header.
     fn table(&self) -> Vec<Vec<String>> {
         let mut head = vec![String::new()];
         head.extend(self.matched.iter().map(|(weights, ..)| format!("weights {weights}")));

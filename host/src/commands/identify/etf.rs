@@ -210,7 +210,7 @@ fn text(model: &Model, measured: &Measured, fit: &Fit, tried: &[Fit]) -> String 
     text
 }
 
-/// Coefficients and modes, heads first.
+/// Coefficients and modes; the first row of each table is the header.
 fn tables(fit: &Fit, highest_hz: f64) -> Vec<Vec<Vec<String>>> {
     let head = ["power of s", "numerator", "std", "denominator", "std"].map(str::to_owned).to_vec();
     let Orders { numerator, denominator } = fit.orders;

@@ -31,7 +31,7 @@ pub(super) fn run(args: &Args, model: &Model) -> anyhow::Result<Outcome> {
     Ok(Outcome::on(&datasets))
 }
 
-/// Responses of the chosen outputs. Says what was done to the signals.
+/// Responses of the chosen outputs. Prints how the signals were processed.
 pub(super) fn estimate<'m>(
     args: &Args,
     model: &'m Model,

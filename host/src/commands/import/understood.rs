@@ -1,4 +1,4 @@
-//! Tables of what a file was understood to hold.
+//! Tables of the interpreted content of a file.
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ use crate::table::{align, number};
 /// Longest name that is shown whole.
 const LONGEST: usize = 36;
 
-/// The end of a long name says more than its middle.
+/// The end of a long name is more informative than its middle.
 fn short(name: &str) -> String {
     let letters: Vec<char> = name.chars().collect();
     if letters.len() <= LONGEST {

@@ -1,7 +1,7 @@
 //! The contents of a recording.
 
 use serde::Serialize;
-use socam_import::{Kind, Opened, open_either};
+use socam_import::{FileFormat, Opened, open_either};
 use socam_recording::{
     Cut, Dataset, Format, LogContents, Segment, Selection, Statistics, Steady, Unit, Warning, detect,
 };
@@ -13,7 +13,7 @@ pub(super) struct Info {
     pub(super) format: Format,
     /// The format of a file of another program, whose channels are in memory.
     #[serde(skip)]
-    pub(super) foreign: Option<Kind>,
+    pub(super) foreign: Option<FileFormat>,
     pub(super) rows: u64,
     pub(super) start_s: Option<f64>,
     pub(super) end_s: Option<f64>,
@@ -51,7 +51,7 @@ pub(super) struct Gap {
 pub(super) fn info(run: &str) -> anyhow::Result<Info> {
     let selection = Selection::parse(run)?;
     let path = &selection.path;
-    // Whether a file can be read is decided where every command opens it.
+    // Errors of unreadable files are raised where every command opens its files.
     if detect(path).is_ok_and(|format| format == Format::SteadyStates) {
         return Ok(Info::of_steady(&Steady::open(path)?));
     }

@@ -143,7 +143,7 @@ fn utc(unix_ns: u64) -> String {
     format!("{:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02} UTC", era * 400 + year)
 }
 
-/// A number with six significant digits, as short as it gets.
+/// A number with six significant digits, in its shortest form.
 fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");

@@ -1,4 +1,4 @@
-//! Who may become the host of a virtual board: one at a time, and with its token where it has one.
+//! Admission of hosts to a virtual board: one at a time, and with the board's token if it has one.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
@@ -10,10 +10,10 @@ use anyhow::Context;
 
 use crate::device::token::{LONGEST_LINE, REFUSAL_LINE, TOKEN_LINE, Token};
 
-/// Time in which a host gives its token, and in which one that is refused reads why.
+/// Longest time for a host to send its token, and for a refused host to read the reason.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// Most connections that are asked for their token, or refused, at a time; more are closed without a word.
+/// Most connections that are asked for their token, or refused, at a time; more are closed without a message.
 const MOST_AT_THE_DOOR: usize = 16;
 
 /// The listener, and the connections that are not hosts yet.
@@ -69,7 +69,7 @@ impl Door {
         });
     }
 
-    /// Runs `work` in a thread beside the board, whose time must not wait.
+    /// Runs `work` in a thread of its own, because the board's time must not wait.
     fn aside(&self, work: impl FnOnce() + Send + 'static) {
         if Arc::strong_count(&self.waiting) > MOST_AT_THE_DOOR {
             return;
@@ -83,7 +83,7 @@ impl Door {
     }
 }
 
-/// Whether a connection gives the token within [`PATIENCE`].
+/// Whether a connection sends the token within [`PATIENCE`].
 fn gives(mut stream: &TcpStream, token: &Token) -> bool {
     if stream.set_nonblocking(false).and_then(|()| stream.set_read_timeout(Some(PATIENCE))).is_err() {
         return false;
@@ -96,7 +96,7 @@ fn gives(mut stream: &TcpStream, token: &Token) -> bool {
             Ok(1) => line.push(byte[0]),
             _ => return false,
         }
-        // A host without a token begins with a frame, and waits for words.
+        // A host without a token begins with a frame, and waits for a line of text.
         if !TOKEN_LINE.as_bytes().iter().zip(&line).all(|(expected, found)| expected == found) {
             return false;
         }
@@ -104,7 +104,7 @@ fn gives(mut stream: &TcpStream, token: &Token) -> bool {
     token.is_given_by(&line)
 }
 
-/// Says why, and waits until the other end has read it: a connection that is closed with unread bytes is reset, and loses the words.
+/// Sends the reason, and waits until the other end has read it: a connection that is closed with unread bytes is reset, and loses it.
 pub(super) fn refuse(mut stream: TcpStream, why: &str) {
     let mut rest = [0; 4096];
     let said = stream

@@ -52,7 +52,7 @@ impl Deadline {
                 "the board went on after the end of its profile of {planned_s:.3} s, so the host stopped it"
             ));
         }
-        // A board at rest before the end of its profile names no reason: it has started anew.
+        // A board at rest before the end of its profile names no reason: it has restarted.
         (now_ns < self.planned_ns - EARLY_NS).then(|| {
             format!(
                 "the board went to rest without a reason after {ended_s:.3} s of a profile of {planned_s:.3} s, \

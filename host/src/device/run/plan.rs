@@ -72,7 +72,7 @@ pub(crate) trait Monitor {
     fn event(&mut self, _event: &Event, _tick: Option<u32>) {}
     /// Samples as they are recorded.
     fn recorded(&mut self, _rows: &[SampleRow<'_>]) {}
-    /// An alarm of a watch for the recording, with its own time.
+    /// An alarm of the monitoring for the recording, with its own time.
     fn alarm(&mut self) -> Option<Event> {
         None
     }
@@ -82,7 +82,7 @@ pub(crate) trait Monitor {
     }
     /// State of the board; damaged frames in both directions; samples recorded and lost.
     fn status(&mut self, _status: &BoardStatus, _link_errors: u64, _recorded: [u64; 2]) {}
-    /// Kind and text of an event for the recording, at the present time: a note of the operator, an alarm of a watch.
+    /// Kind and text of an event for the recording, at the present time: a note of the operator, or an alarm of the monitoring.
     fn mark(&mut self) -> Option<(&'static str, String)> {
         None
     }

@@ -1,5 +1,5 @@
-//! Two gear stages with a compliant shaft between and one behind, driven by a torque; speeds of motor and load and the torque
-//! behind the gears are measured.
+//! Two gear stages with one compliant shaft between them and one after them, driven by a torque. The speeds of motor and load and the
+//! torque after the gears are measured.
 
 use super::{servo_numbers, spring_between};
 use crate::challenge::machine::{Known, Machine, Measure};

@@ -1,4 +1,5 @@
-//! A linear axis with a belt in the position loop of a servo that is part of the model: reference in, position and force out.
+//! A linear axis with a belt, in the position loop of a servo that is part of the model. The input is the reference; position and force are
+//! measured.
 
 use socam_recording::Unit;
 

@@ -13,7 +13,7 @@ pub(super) fn draw(draw: &mut Draw) -> Machine {
     // The loop is slower than the coupling's resonance, so that it is stable.
     let pace = draw.between(8.0, 20.0);
     machine.control = Control::Speed { proportional: inertia * pace, integral: 0.25 * inertia * pace * pace };
-    // With this speed amplitude, changes of the profile need about the torque that the drive has.
+    // With this speed amplitude, changes of the profile require about the available torque of the drive.
     machine.amplitude = torque / (inertia * pace);
     machine
 }

@@ -3,7 +3,7 @@
 use super::effect::Hidden;
 use crate::SimError;
 use crate::challenge::flaw::Flaw;
-use crate::challenge::laws::{Acting, Kind};
+use crate::challenge::laws::{Acting, LawKind};
 use crate::challenge::machine::Machine;
 use crate::challenge::unmodelled::{CompliantTie, Unmodelled};
 use crate::concealed::{Concealed, Override};
@@ -46,33 +46,33 @@ fn flaw(hidden: &Hidden) -> Result<Flaw, SimError> {
 }
 
 /// The truth's law for an effect, and its parameters.
-fn law(machine: &Machine, hidden: &Hidden, p: &[f64]) -> Result<(Kind, Vec<f64>), SimError> {
+fn law(machine: &Machine, hidden: &Hidden, p: &[f64]) -> Result<(LawKind, Vec<f64>), SimError> {
     let own = &hidden.own;
     let all = || p.iter().chain(own).copied().collect::<Vec<_>>();
     Ok(match hidden.effect.as_str() {
-        "coulomb_friction" => (Kind::Bristles, vec![p[0], p[0], own[0], own[1]]),
-        "stribeck_friction" => (Kind::Bristles, all()),
-        "quadratic_drag" => (Kind::Drag, all()),
-        "damping_drift" => (Kind::WarmingUp, vec![own[0], p[0]]),
-        "direction_dependence" => (Kind::Direction, all()),
+        "coulomb_friction" => (LawKind::Bristles, vec![p[0], p[0], own[0], own[1]]),
+        "stribeck_friction" => (LawKind::Bristles, all()),
+        "quadratic_drag" => (LawKind::Drag, all()),
+        "damping_drift" => (LawKind::WarmingUp, vec![own[0], p[0]]),
+        "direction_dependence" => (LawKind::Direction, all()),
         // The law of the catalogue is T = -torque.
-        "constant_load" => (Kind::Constant, vec![-p[0]]),
-        "mesh_loss" => (Kind::Loss, all()),
-        "backlash" => (Kind::Play, all()),
-        "kinematic_error" => (Kind::Eccentric, all()),
-        "stiffness_hardening" => (Kind::Hardening, all()),
-        "hysteresis" => (Kind::Sliders, all()),
-        "coupling_slip" => (Kind::Slip, all()),
+        "constant_load" => (LawKind::Constant, vec![-p[0]]),
+        "mesh_loss" => (LawKind::Loss, all()),
+        "backlash" => (LawKind::Play, all()),
+        "kinematic_error" => (LawKind::Eccentric, all()),
+        "stiffness_hardening" => (LawKind::Hardening, all()),
+        "hysteresis" => (LawKind::Sliders, all()),
+        "coupling_slip" => (LawKind::Slip, all()),
         // The law of the catalogue is T = -torque sin(angle + phase).
-        "gravity_unbalance" => (Kind::AngleTorque, vec![-p[0], 1.0, p[1]]),
-        "torque_ripple" => (Kind::AngleTorque, vec![p[1], p[0], p[2]]),
-        "external_disturbance" => (Kind::Shake, all()),
-        "eddy_current_brake" => (Kind::EddyBrake, all()),
-        "late_pad" => (Kind::LatePad, all()),
-        "angle_play" => (Kind::AnglePlay, vec![p[0], own[0], p[1]]),
-        "angle_drag" => (Kind::AngleDrag, all()),
-        "loosening" => (Kind::Loosening, all()),
-        "wearing_in" => (Kind::WearingIn, all()),
+        "gravity_unbalance" => (LawKind::AngleTorque, vec![-p[0], 1.0, p[1]]),
+        "torque_ripple" => (LawKind::AngleTorque, vec![p[1], p[0], p[2]]),
+        "external_disturbance" => (LawKind::Shake, all()),
+        "eddy_current_brake" => (LawKind::EddyBrake, all()),
+        "late_pad" => (LawKind::LatePad, all()),
+        "angle_play" => (LawKind::AnglePlay, vec![p[0], own[0], p[1]]),
+        "angle_drag" => (LawKind::AngleDrag, all()),
+        "loosening" => (LawKind::Loosening, all()),
+        "wearing_in" => (LawKind::WearingIn, all()),
         other => {
             let problem = format!("the truth has no law for it; family {}", machine.family);
             return Err(SimError::argument(other, problem));

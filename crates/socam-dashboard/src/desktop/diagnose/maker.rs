@@ -2,13 +2,13 @@
 
 use super::super::attempt;
 use egui::{Button, CollapsingHeader, RichText, Ui};
-use socam_answer::{Diagnosis, Evidence};
 use socam_diagnose::refuse_copies;
+use socam_findings::{Diagnosis, Evidence};
 use socam_job::{Diagnose, Grid, HeldOutRecording};
 use socam_model::Model;
 use socam_recording::Selection;
 
-use super::super::fitting::options::{First, Form, Layout};
+use super::super::fitting::options::{First, Form, Layout, Offered};
 use super::super::fitting::{command, datasets, monitor, sentence, setup};
 use super::report::{Made, provenance};
 use crate::progress::wake;
@@ -27,28 +27,25 @@ pub(super) struct Answer {
     pub(super) made: Made,
 }
 
-const LAYOUT: Layout = Layout {
-    first: &[
-        First { name: "false_alarm_rate", label: "False alarms", is_percent: true, choices: &[] },
-        First { name: "most", label: "Most effects", is_percent: false, choices: &[] },
-    ],
-    // Tables of steady states, to which `repeatability` belongs, are not diagnosed in the window.
-    left_out: &["model", "fixed", "start_values", "repeatability"],
-};
+impl Offered for Diagnose {
+    const LAYOUT: Layout = Layout {
+        first: &[
+            First { is_percent: true, ..First::new("false_alarm_rate", "False alarms") },
+            First::new("most", "Most effects"),
+        ],
+        // Tables of steady states, to which `repeatability` belongs, are not diagnosed in the window.
+        left_out: &["model", "fixed", "start_values", "repeatability"],
+        is_headed: false,
+    };
+}
 
 /// Options of the next diagnosis, and the running one.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Maker {
     form: Form<Diagnose>,
     attempt: Attempt<Answer>,
     /// Whether the set-up is to be folded.
     folds: bool,
-}
-
-impl Default for Maker {
-    fn default() -> Self {
-        Self { form: Form::new(&LAYOUT), attempt: Attempt::default(), folds: false }
-    }
 }
 
 impl Maker {
@@ -120,7 +117,7 @@ impl Maker {
         }
         if let (Ok(mut task), Ok(chosen)) = (task, &chosen) {
             let notes = command::name_model(&mut task.model, workspace.model(), &chosen.model);
-            if let Some(line) = command::of(&task, chosen, "--holdout") {
+            if let Some(line) = command::of(&task, &chosen.training, ("--holdout", &chosen.held_out)) {
                 command::ui(ui, &line, &notes);
             }
         }

@@ -6,8 +6,8 @@ mod report;
 use std::sync::LazyLock;
 
 use egui::{Context, Ui};
-use socam_answer::{Diagnosis, Evidence};
 use socam_chart::chart::Seen;
+use socam_findings::{Diagnosis, Evidence};
 use socam_model::Model;
 use socam_workbench::Workspace;
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use egui::Ui;
-use socam_answer::{Diagnosis, Evidence};
+use socam_findings::{Diagnosis, Evidence};
 use socam_model::Model;
 use socam_report::{FileHash, Provenance};
 

@@ -6,19 +6,21 @@ use socam_job::options::{command_line, quoted};
 use socam_job::{ModelSettings, Settings};
 use socam_model::{BUILTIN, Model};
 use socam_workbench::recording::Recording;
-use socam_workbench::setup::Chosen;
+
+/// The name of a model for a command, and what a command by this name lacks.
+pub(crate) fn named(model: &Model) -> (String, Vec<String>) {
+    if let Some((name, _)) = BUILTIN.iter().find(|(_, text)| *text == model.text) {
+        return ((*name).to_owned(), Vec::new());
+    }
+    let file = format!("{}.toml", model.name);
+    let note = format!("{} stands for the file of the model, which is not built in.", quoted(&file));
+    (file, vec![note])
+}
 
 /// Names the model in the settings of a command, with the changes by which `changed` came from `model`. Returns what the command lacks.
 pub(crate) fn name_model(settings: &mut ModelSettings, model: &Model, changed: &Model) -> Vec<String> {
-    let mut notes = Vec::new();
-    settings.model = match BUILTIN.iter().find(|(_, text)| *text == model.text) {
-        Some((name, _)) => (*name).to_owned(),
-        None => {
-            let file = format!("{}.toml", model.name);
-            notes.push(format!("{} stands for the file of the model, which is not built in.", quoted(&file)));
-            file
-        }
-    };
+    let (name, mut notes) = named(model);
+    settings.model = name;
     for (before, now) in model.parameters.iter().zip(&changed.parameters) {
         let name = &now.name;
         let value = (before.value != now.value).then(|| format!("{name}={}", now.value));
@@ -37,24 +39,28 @@ pub(crate) fn name_model(settings: &mut ModelSettings, model: &Model, changed: &
     notes
 }
 
-/// The command on the chosen recordings; `None` where one has no file. `held_out` is the flag of those that are held out.
-pub(crate) fn of<T: Settings>(settings: &T, chosen: &Chosen, held_out: &str) -> Option<String> {
-    let names = |recordings: &[Recording]| -> Option<Vec<String>> {
-        recordings.iter().map(|own| own.path().map(|_| own.about.name.clone())).collect()
-    };
-    let (fitted, predicted) = (names(&chosen.training)?, names(&chosen.held_out)?);
-    command_line(settings, &[("", &fitted), (held_out, &predicted)]).ok()
+/// The command on recordings, and on others behind their flag; `None` where one has no file.
+pub(crate) fn of<'r, T: Settings>(
+    settings: &T,
+    recordings: impl IntoIterator<Item = &'r Recording>,
+    (flag, others): (&str, &[Recording]),
+) -> Option<String> {
+    let name = |own: &Recording| own.path().map(|_| own.about.name.clone());
+    let recordings: Vec<String> = recordings.into_iter().map(name).collect::<Option<_>>()?;
+    let others: Vec<String> = others.iter().map(name).collect::<Option<_>>()?;
+    command_line(settings, &[("", &recordings), (flag, &others)]).ok()
 }
 
-/// Draws a command, and what it lacks.
+/// Draws a command, and what it lacks. Of several commands the first one is shown, and all are copied.
 pub(crate) fn ui(ui: &mut Ui, command: &str, notes: &[String]) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new("Same as:").small().color(theme::weak(ui)));
         if ui.small_button("Copy").on_hover_text("Copy the command").clicked() {
             ui.ctx().copy_text(command.to_owned());
         }
+        let first = command.lines().next().unwrap_or_default();
+        ui.add(Label::new(RichText::new(first).monospace().small()).wrap());
     });
-    ui.add(Label::new(RichText::new(command).monospace().small()).wrap());
     for note in notes {
         ui.label(RichText::new(note).small().color(theme::weak(ui)));
     }

@@ -2,18 +2,24 @@
 
 use egui::{CollapsingHeader, ComboBox, DragValue, TextEdit, Ui};
 use serde_json::Value;
-use socam_chart::numbers::number;
-use socam_job::options::{Described, Kind, describe, from_words};
+use socam_job::options::{Described, ValueType, describe, from_words};
 use socam_job::{JobError, Settings};
+
+/// A task whose options a view offers.
+pub(crate) trait Offered: Settings {
+    /// How they are shown.
+    const LAYOUT: Layout;
+}
 
 /// How a view shows the options of its task.
 #[derive(Debug)]
 pub(crate) struct Layout {
     /// Options that are always seen, in this order; the others fold under "More options".
     pub(crate) first: &'static [First],
-    /// Options that the set-up offers, or that the window has no use for. Those of files, and those under a heading of their own, are
-    /// left out too.
+    /// Options that the set-up offers, or that the window has no use for. Those of files are left out too.
     pub(crate) left_out: &'static [&'static str],
+    /// Whether options under a heading of their own are offered.
+    pub(crate) is_headed: bool,
 }
 
 /// An option that is always seen.
@@ -27,6 +33,13 @@ pub(crate) struct First {
     pub(crate) is_percent: bool,
     /// Those of its choices that the window offers, with their meanings; all of them where none is named.
     pub(crate) choices: &'static [(&'static str, &'static str)],
+}
+
+impl First {
+    /// An option that is shown as it is typed, with all of its choices.
+    pub(crate) const fn new(name: &'static str, label: &'static str) -> Self {
+        Self { name, label, is_percent: false, choices: &[] }
+    }
 }
 
 /// The options of a task as texts that its command would take, and the settings that they make.
@@ -49,9 +62,15 @@ struct Row {
     text: String,
 }
 
+/// All options have their defaults.
+impl<T: Offered> Default for Form<T> {
+    fn default() -> Self {
+        Self::new(&T::LAYOUT)
+    }
+}
+
 impl<T: Settings> Form<T> {
-    /// All options have their defaults.
-    pub(crate) fn new(layout: &Layout) -> Self {
+    fn new(layout: &Layout) -> Self {
         let (all, problem) = match describe::<T>() {
             Ok(all) => (all, None),
             Err(error) => (Vec::new(), Some(error.in_keywords())),
@@ -67,7 +86,10 @@ impl<T: Settings> Form<T> {
         let is_more = |option: &&Described| {
             let is_first = layout.first.iter().any(|own| own.name == option.name);
             let is_left_out = layout.left_out.contains(&option.name.as_str());
-            !is_first && !is_left_out && option.kind != Kind::Path && option.heading.is_none()
+            !is_first
+                && !is_left_out
+                && option.kind != ValueType::Path
+                && (layout.is_headed || option.heading.is_none())
         };
         let more = |option: &Described| Row {
             label: words_of(&option.name),
@@ -133,7 +155,7 @@ impl Row {
         let with = |text: &str| format!("{flag}={text}");
         match self.text.trim() {
             "" => Vec::new(),
-            _ if self.option.kind == Kind::Switch => vec![flag.clone()],
+            _ if self.option.kind == ValueType::Switch => vec![flag.clone()],
             text if self.option.is_list => {
                 text.lines().map(str::trim).filter(|line| !line.is_empty()).map(with).collect()
             }
@@ -145,13 +167,13 @@ impl Row {
     fn ui<T: Settings>(&mut self, ui: &mut Ui, is_first: bool) -> bool {
         let has_default = !self.option.default.is_null();
         let drawn = ui.horizontal(|ui| match self.option.kind {
-            Kind::Switch => self.switch(ui),
-            Kind::Choice if is_first => self.side_by_side(ui),
+            ValueType::Switch => self.switch(ui),
+            ValueType::Choice if is_first => self.side_by_side(ui),
             kind => {
                 let label = ui.label(&self.label).on_hover_text(&self.option.help);
                 match kind {
-                    Kind::Choice => self.choice(ui, label.id),
-                    Kind::Whole | Kind::Number if has_default => self.number::<T>(ui, label.id),
+                    ValueType::Choice => self.choice(ui, label.id),
+                    ValueType::Whole | ValueType::Number if has_default => self.number::<T>(ui, label.id),
                     _ => self.line(ui, label.id),
                 }
             }
@@ -199,21 +221,24 @@ impl Row {
 
     /// A number stays within the range that the task takes.
     fn number<T: Settings>(&mut self, ui: &mut Ui, label: egui::Id) -> bool {
+        let shown = self.shown();
+        // A number that is typed in percent is shown so, too.
+        let (shown, end) = shown.strip_suffix('%').map_or((shown.as_str(), ""), |number| (number, "%"));
         let factor = if self.is_percent { 100.0 } else { 1.0 };
-        let mut value = factor * self.shown().parse::<f64>().unwrap_or_default();
-        let is_whole = self.option.kind == Kind::Whole;
+        let mut value = factor * shown.parse::<f64>().unwrap_or_default();
+        let is_whole = self.option.kind == ValueType::Whole;
+        let speed = (0.01 * value.abs()).max(1e-6);
         let field = DragValue::new(&mut value).update_while_editing(false);
         let field = if is_whole {
             field.speed(0.1).max_decimals(0)
         } else {
-            let speed = (0.01 * factor * self.shown().parse::<f64>().unwrap_or_default().abs()).max(1e-6);
-            field.speed(speed).custom_formatter(|value, _| number(value))
+            field.speed(speed).custom_formatter(|value, _| rounded(value, 5))
         };
-        let field = if self.is_percent { field.suffix(" %") } else { field };
+        let field = if self.is_percent || end == "%" { field.suffix(" %") } else { field };
         if !ui.add(field).labelled_by(label).changed() {
             return false;
         }
-        let text = if is_whole { format!("{value:.0}") } else { rounded(value / factor) };
+        let text = if is_whole { format!("{value:.0}") } else { rounded(value / factor, 10) + end };
         let is_taken = from_words::<T>(&[format!("{}={text}", self.option.flag)]).is_ok();
         if is_taken {
             self.text = if text_of(&self.option.default) == text { String::new() } else { text };
@@ -223,7 +248,9 @@ impl Row {
 
     fn line(&mut self, ui: &mut Ui, label: egui::Id) -> bool {
         let hint = match text_of(&self.option.default) {
-            usual if usual.is_empty() => self.option.value_name.clone(),
+            usual if usual.is_empty() => {
+                default_in(&self.option.help).unwrap_or(&self.option.value_name).to_owned()
+            }
             usual => usual,
         };
         let field = if self.option.is_list {
@@ -252,16 +279,23 @@ fn text_of(value: &Value) -> String {
     }
 }
 
-/// `false_alarm_rate` as `False alarm rate`
+/// The word `10s` of a help that ends with `[default: 10s]`.
+fn default_in(help: &str) -> Option<&str> {
+    let (_, default) = help.rsplit_once("[default: ")?;
+    default.strip_suffix(']').filter(|default| !default.contains(' '))
+}
+
+/// `false_alarm_rate` as `False alarm rate`, `period_s` as `Period`
 fn words_of(name: &str) -> String {
-    let words = name.replace(['_', '-'], " ");
+    let words = name.strip_suffix("_s").unwrap_or(name).replace(['_', '-'], " ");
     let mut letters = words.chars();
     letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
-/// A number without digits that only rounding made: 0.011 and not 0.011000000000000001.
-fn rounded(value: f64) -> String {
-    format!("{value:.9e}").parse::<f64>().unwrap_or(value).to_string()
+/// A number of so many significant digits, without zeros at its end: 0.011 and not 0.011000000000000001.
+fn rounded(value: f64, digits: usize) -> String {
+    let decimals = digits - 1;
+    format!("{value:.decimals$e}").parse::<f64>().unwrap_or(value).to_string()
 }
 
 #[cfg(test)]
@@ -270,8 +304,9 @@ mod tests {
     use socam_job::Diagnose;
 
     const LAYOUT: Layout = Layout {
-        first: &[First { name: "most", label: "Most effects", is_percent: false, choices: &[] }],
+        first: &[First::new("most", "Most effects")],
         left_out: &["model", "fixed", "start_values", "repeatability"],
+        is_headed: false,
     };
 
     fn set(form: &mut Form<Diagnose>, name: &str, text: &str) {
@@ -305,8 +340,9 @@ mod tests {
 
     #[test]
     fn numbers_have_no_digits_of_rounding() {
-        assert_eq!(rounded(1.1 / 100.0), "0.011");
-        assert_eq!(rounded(1.0 / 100.0), "0.01");
+        assert_eq!(rounded(1.1 / 100.0, 10), "0.011");
+        assert_eq!(rounded(100.0 * 0.01, 5), "1");
         assert_eq!(words_of("output-error"), "Output error");
+        assert_eq!(default_in("Length of a block [default: 500ms]"), Some("500ms"));
     }
 }

@@ -10,11 +10,10 @@ use super::{parameters, roles};
 
 /// Draws the set-up. Returns another model if one was chosen.
 pub(in crate::platform) fn ui(ui: &mut Ui, workspace: &mut Workspace) -> Option<Model> {
-    let (model, known, revision) =
-        (workspace.model().clone(), workspace.known_models(), workspace.revision());
+    let wanted = model(ui, workspace);
+    let (model, revision) = (workspace.model().clone(), workspace.revision());
     let Workspace { setup, entries, .. } = workspace;
     setup.changes.belong_to(revision);
-    let wanted = choice(ui, &model, &known);
     if entries.is_empty() {
         let text = "No recording is open: press Ctrl+O, or drop files here.";
         ui.label(RichText::new(text).color(theme::weak(ui)));
@@ -26,8 +25,10 @@ pub(in crate::platform) fn ui(ui: &mut Ui, workspace: &mut Workspace) -> Option<
     wanted
 }
 
-/// The model that is used, and others to choose: the embedded ones, and those that were open in this window.
-fn choice(ui: &mut Ui, model: &Model, known: &[Model]) -> Option<Model> {
+/// Draws the model that is used, and others to choose: the embedded ones, and those that were open in this window. Returns another model
+/// if one was chosen.
+pub(in crate::platform) fn model(ui: &mut Ui, workspace: &Workspace) -> Option<Model> {
+    let (model, known) = (workspace.model(), workspace.known_models());
     let mut wanted = None;
     ui.horizontal(|ui| {
         let label = ui.label("Model");

@@ -15,14 +15,14 @@ const SIZE: f32 = 10.0;
 
 /// A kind of recording, in the order of [`words::kinds`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum RowVerdict {
     Adequate,
     Missing,
     Unexplained,
     Without,
 }
 
-impl Kind {
+impl RowVerdict {
     const ALL: [Self; 4] = [Self::Adequate, Self::Missing, Self::Unexplained, Self::Without];
 
     pub(super) fn of(row: &Row) -> Self {
@@ -80,7 +80,7 @@ pub(super) fn bar(ui: &mut Ui, counts: &Counts) {
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 3.0, theme::grid(ui));
     let mut left = rect.left();
-    for (kind, (count, _)) in Kind::ALL.into_iter().zip(kinds).filter(|(_, (count, _))| *count > 0) {
+    for (kind, (count, _)) in RowVerdict::ALL.into_iter().zip(kinds).filter(|(_, (count, _))| *count > 0) {
         let width = LEAST + spare * count as f32 / all;
         let part = Rect::from_min_size(pos2(left, rect.top()), vec2(width - 1.0, BAR));
         painter.rect_filled(part, 0.0, kind.colour(ui));
@@ -93,7 +93,7 @@ pub(super) fn bar(ui: &mut Ui, counts: &Counts) {
         left += width;
     }
     ui.horizontal_wrapped(|ui| {
-        for (kind, (count, word)) in Kind::ALL.into_iter().zip(kinds) {
+        for (kind, (count, word)) in RowVerdict::ALL.into_iter().zip(kinds) {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
                 kind.mark(ui);

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use socam_answer::words;
+use socam_findings::words;
 use socam_fleet::{Group, Machine, Summary, Survey};
 
 use socam_chart::table::{Key, Sorting, sorted};

@@ -149,7 +149,7 @@ impl Fleet {
                 },
                 |ui, group, column| match column {
                     0 => {
-                        let what = socam_answer::words::effect(&group.effect);
+                        let what = socam_findings::words::effect(&group.effect);
                         let label = format!("Finding {}", listing::at(&group.effect, &group.place));
                         let button =
                             Button::selectable(is_chosen(group), RichText::new(what).strong()).truncate();

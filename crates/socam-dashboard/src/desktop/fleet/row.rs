@@ -1,11 +1,12 @@
 //! One recording in the table of a machine.
 
-use egui::{Button, Label, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{Button, Label, RichText, Role, Ui, WidgetInfo};
 use socam_fleet::row::Row;
 use socam_fleet::words;
 
-use super::kinds::Kind;
+use super::kinds::RowVerdict;
 use super::listing;
+use crate::check;
 use socam_chart::table::{self, Column, Key};
 use socam_chart::{numbers, theme};
 use socam_workbench::recording::short;
@@ -56,7 +57,7 @@ pub(super) fn cell(ui: &mut Ui, row: &Row, column: usize) {
                 .on_hover_text(&row.recording),
         ),
         4 => {
-            let kind = Kind::of(row);
+            let kind = RowVerdict::of(row);
             kind.mark(ui);
             let text = RichText::new(words::verdict(row.verdict, row.status)).color(kind.colour(ui));
             ui.add(Label::new(text).truncate());
@@ -80,13 +81,7 @@ pub(super) fn opens(ui: &mut Ui, row: &Row) -> bool {
 }
 
 pub(super) fn arrow(ui: &mut Ui, row: &Row, is_open: bool) -> bool {
-    let (rect, response) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::click());
-    let name = format!("Recording {}", row.recording);
-    response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, &name));
-    let mut icon = response.clone();
-    icon.rect = rect;
-    egui::collapsing_header::paint_default_icon(ui, if is_open { 1.0 } else { 0.0 }, &icon);
-    response.clicked()
+    check::row::arrow(ui, &format!("Recording {}", row.recording), true, is_open)
 }
 
 /// Draws findings, in sentences, and warnings.

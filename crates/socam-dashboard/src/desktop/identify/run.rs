@@ -42,7 +42,7 @@ pub(super) fn identify(task: &Identify, chosen: &Chosen, handle: &Handle) -> Res
     let shown = serde_json::from_value(document.clone()).map_err(|error| error.to_string())?;
     let text = done.model_text().map_err(sentence)?;
     let options = task.options(&calibrated.model).map_err(sentence)?;
-    let options = Options { watch: monitor(handle), ..options };
+    let options = Options { progress: monitor(handle), ..options };
     let mut predictions = Vec::new();
     for (data, is_held_out) in [(&training, false), (&held_out, true)] {
         // A model that was regressed may not follow the recordings when it is simulated.

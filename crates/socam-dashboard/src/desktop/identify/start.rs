@@ -4,7 +4,7 @@ use super::super::attempt;
 use egui::{Button, RichText, Ui};
 use socam_job::Identify;
 
-use super::super::fitting::options::{First, Form, Layout};
+use super::super::fitting::options::{First, Form, Layout, Offered};
 use super::super::fitting::{command, setup};
 use super::run::{self, Found};
 use crate::progress::wake;
@@ -13,34 +13,29 @@ use socam_workbench::job::Attempt;
 use socam_workbench::setup::Chosen;
 use socam_workbench::{Request, Workspace};
 
-const LAYOUT: Layout = Layout {
-    first: &[First {
-        name: "method",
-        label: "Method",
-        is_percent: false,
-        // The others are over frequency.
-        choices: &[
-            ("output-error", "Least squares of the errors of the simulated outputs"),
-            (
-                "inverse-dynamics",
-                "Linear regression of the measured force of an axis with one coordinate on its motion",
-            ),
-        ],
-    }],
-    left_out: &["model", "fixed", "start_values"],
-};
+impl Offered for Identify {
+    const LAYOUT: Layout = Layout {
+        first: &[First {
+            // The others are over frequency.
+            choices: &[
+                ("output-error", "Least squares of the errors of the simulated outputs"),
+                (
+                    "inverse-dynamics",
+                    "Linear regression of the measured force of an axis with one coordinate on its motion",
+                ),
+            ],
+            ..First::new("method", "Method")
+        }],
+        left_out: &["model", "fixed", "start_values"],
+        is_headed: false,
+    };
+}
 
 /// The options of the next identification, and the running one.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Start {
     form: Form<Identify>,
     attempt: Attempt<Found>,
-}
-
-impl Default for Start {
-    fn default() -> Self {
-        Self { form: Form::new(&LAYOUT), attempt: Attempt::default() }
-    }
 }
 
 impl Start {
@@ -82,7 +77,7 @@ impl Start {
         }
         if let (Ok(mut task), Ok(chosen)) = (task, &chosen) {
             let notes = command::name_model(&mut task.model, workspace.model(), &chosen.model);
-            if let Some(line) = command::of(&task, chosen, "--validate") {
+            if let Some(line) = command::of(&task, &chosen.training, ("--validate", &chosen.held_out)) {
                 command::ui(ui, &line, &notes);
             }
         }

@@ -12,7 +12,7 @@ use socam_chart::theme;
 use socam_workbench::Workspace;
 use socam_workbench::connection::{Connection, Link};
 use socam_workbench::input_signal::{
-    self, AMPLITUDE_V, DURATION_S, FREQUENCY_HZ, Kind, LIMIT_V, Settings, Signal,
+    self, AMPLITUDE_V, DURATION_S, FREQUENCY_HZ, LIMIT_V, Settings, Signal, SignalShape,
 };
 use socam_workbench::next_run::NextRun;
 
@@ -122,10 +122,10 @@ fn input_signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Acti
             let label = ui.label("Signal");
             let shown = ComboBox::from_id_salt("signal").selected_text(settings.name()).width(180.0);
             let answer = shown.show_ui(ui, |ui| {
-                ui.selectable_value(&mut settings.kind, Kind::Sine, "sine");
-                ui.selectable_value(&mut settings.kind, Kind::Constant, "constant");
+                ui.selectable_value(&mut settings.kind, SignalShape::Sine, "sine");
+                ui.selectable_value(&mut settings.kind, SignalShape::Constant, "constant");
                 for name in ProfileFile::built_in_names().filter(|name| *name != "sine") {
-                    let is_it = matches!(&settings.kind, Kind::Other(own, _) if own == name);
+                    let is_it = matches!(&settings.kind, SignalShape::Other(own, _) if own == name);
                     if ui.selectable_label(is_it, name).clicked() {
                         chosen = Some(name);
                     }
@@ -134,19 +134,19 @@ fn input_signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Acti
             answer.response.labelled_by(label.id);
         });
         match &settings.kind {
-            Kind::Sine => {
+            SignalShape::Sine => {
                 let room = LIMIT_V - settings.amplitude_v;
                 slider(ui, "Amplitude", &mut settings.amplitude_v, AMPLITUDE_V, "V");
                 slider(ui, "Frequency", &mut settings.frequency_hz, FREQUENCY_HZ, "Hz");
                 slider(ui, "Offset", &mut settings.offset_v, [-room, room], "V");
             }
-            Kind::Constant => slider(ui, "Level", &mut settings.level_v, [-LIMIT_V, LIMIT_V], "V"),
-            Kind::Other(_, file) => {
+            SignalShape::Constant => slider(ui, "Level", &mut settings.level_v, [-LIMIT_V, LIMIT_V], "V"),
+            SignalShape::Other(_, file) => {
                 let purpose = file.purpose.clone().unwrap_or_else(|| "an opened profile".into());
                 ui.label(RichText::new(format!("{purpose}; {} s", file.duration_s)).small());
             }
         }
-        if !matches!(settings.kind, Kind::Other(..)) {
+        if !matches!(settings.kind, SignalShape::Other(..)) {
             ui.horizontal(|ui| {
                 let label = ui.label("Duration");
                 let drag = DragValue::new(&mut settings.duration_s)

@@ -1,8 +1,8 @@
 //! The state of a watch and its alarms in words.
 
 use egui::{RichText, Ui};
-use socam_answer::words;
-use socam_watch::{Alarm, Cause, Overlay, Phase, Verdict};
+use socam_findings::words;
+use socam_monitoring::{Alarm, Cause, Overlay, Phase, Verdict};
 
 use socam_chart::theme;
 

@@ -1,7 +1,7 @@
 //! The charts of the watch: measurement and model over each other, and the tests beside their threshold.
 
 use egui::{RichText, Ui, vec2};
-use socam_watch::{BlockSignals, Overlay, Symptom};
+use socam_monitoring::{BlockSignals, Overlay, Symptom};
 
 use socam_chart::chart::{self, Chart, Curve, Flag, Seen, Style, range_of};
 use socam_chart::theme;

@@ -4,13 +4,16 @@ mod alarms;
 mod charts;
 mod session;
 
-use egui::{ComboBox, DragValue, RichText, ScrollArea, Ui};
-use socam_watch::{Alarm, Event, Overlay, Settings};
+use egui::{Button, ComboBox, RichText, ScrollArea, Ui};
+use socam_job::Watch;
+use socam_monitoring::{Alarm, Event, Overlay};
 
+use super::fitting::options::{First, Form, Layout, Offered};
+use super::fitting::{command, setup};
 use crate::layout;
 use crate::progress::wake;
 use crate::view::{Help, ViewPanel};
-use session::Session;
+use session::{Session, Source};
 use socam_chart::chart::{self, Seen};
 use socam_chart::theme;
 use socam_workbench::View;
@@ -21,6 +24,19 @@ use socam_workbench::{Request, Workspace};
 /// Speeds of a replay, as multiples of the recording's own; `None` is as fast as possible.
 const SPEEDS: [(Option<f64>, &str); 3] =
     [(None, "as fast as possible"), (Some(1.0), "1 x"), (Some(10.0), "10 x")];
+
+impl Offered for Watch {
+    const LAYOUT: Layout = Layout {
+        first: &[
+            First::new("false_alarms_per_hour", "False alarms per hour"),
+            First::new("window_s", "Length of the window"),
+            First::new("block_s", "Length of a block"),
+            First::new("learn_s", "Length of the baseline"),
+        ],
+        left_out: &["model"],
+        is_headed: false,
+    };
+}
 
 /// Subject of the monitoring: the running bench, or a recording by name.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -36,7 +52,7 @@ pub struct WatchView {
     subject: Option<Subject>,
     /// Names of the recordings that are healthy.
     healthy: Vec<String>,
-    settings: Settings,
+    form: Form<Watch>,
     speed: Option<f64>,
     session: Option<Session>,
     /// The last snapshot, kept after the watch has ended.
@@ -112,8 +128,8 @@ impl ViewPanel for WatchView {
                 "recordings of the bench in good order: they say what is usual; without one, the beginning of what is watched does",
             ),
             (
-                "False alarms per hour; Length of the window",
-                "of a healthy bench, over all channels; how much of the past is shown, and is searched for a cause",
+                "False alarms per hour; Length of the window; Length of a block; Length of the baseline",
+                "of a healthy bench, over all channels; how much of the past is shown, and is searched for a cause; how much is compared with the model at once; how much of the beginning is healthy where no recording is ticked",
             ),
             (
                 "Alarm ...",
@@ -127,11 +143,6 @@ impl WatchView {
     /// Watches the running bench, or else the first recording, as soon as there is one; other recordings are healthy.
     pub fn begin_when_possible(&mut self) {
         self.begins = true;
-    }
-
-    /// False alarms per hour.
-    pub fn settings(&mut self) -> &mut Settings {
-        &mut self.settings
     }
 
     /// Alarms so far.
@@ -161,23 +172,27 @@ impl WatchView {
     }
 
     fn start(&mut self, ctx: &egui::Context, workspace: &Workspace, subject: Option<Subject>) {
-        let named = |name: &String| workspace.shown().find(|(_, shown)| shown.about.name == *name);
-        let healthy: Vec<Recording> =
-            self.healthy.iter().filter_map(named).map(|(_, recording)| recording.clone()).collect();
-        let (model, settings) = (workspace.model().clone(), self.settings.clone());
-        let session = match subject {
-            Some(Subject::Bench) => {
-                let channels = workspace.feed.channels.to_vec();
-                Some(Session::live(&wake(ctx), model, channels, healthy, settings))
-            }
-            Some(Subject::Recording(name)) => named(&name).map(|(_, recording)| {
-                Session::replay(&wake(ctx), model, (recording.clone(), self.speed), healthy, settings)
+        let task = match self.form.settings() {
+            Ok(task) => task.clone(),
+            Err(problem) => return self.problem = Some(problem),
+        };
+        let source = match subject {
+            Some(Subject::Bench) => Some(Source::Live(workspace.feed.channels.to_vec())),
+            Some(Subject::Recording(name)) => named(workspace, &name).map(|recording| {
+                let (recording, speed) = (recording.clone(), self.speed);
+                Source::Replay { recording, speed }
             }),
             None => None,
         };
+        let (model, healthy) = (workspace.model().clone(), self.healthy(workspace));
+        let session = source.map(|source| Session::start(&wake(ctx), task, model, source, healthy));
         (self.overlay, self.problem, self.selected) = (None, None, None);
         self.name = session.as_ref().map_or_else(String::new, |session| short(&session.name).to_owned());
         self.session = session;
+    }
+
+    fn healthy(&self, workspace: &Workspace) -> Vec<Recording> {
+        self.healthy.iter().filter_map(|name| named(workspace, name)).cloned().collect()
     }
 
     fn set_up(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
@@ -199,20 +214,28 @@ impl WatchView {
             }
             return;
         }
+        if let Some(model) = setup::model(ui, workspace) {
+            workspace.request(Request::Model(Box::new(model)));
+        }
         self.choose_subject(ui, workspace, subject.as_ref());
         self.choose_healthy(ui, workspace, subject.as_ref());
-        for (label, value, range, unit) in [
-            ("False alarms per hour", &mut self.settings.false_alarms_per_hour, 0.001..=60.0, ""),
-            ("Length of the window", &mut self.settings.window_s, 1.0..=600.0, " s"),
-        ] {
-            ui.horizontal(|ui| {
-                let label = ui.label(label);
-                ui.add(DragValue::new(value).range(range).speed(0.01).suffix(unit)).labelled_by(label.id);
-            });
-        }
-        if ui.button(RichText::new("Watch").strong()).clicked() {
+        self.form.ui(ui);
+        let task = self.form.settings().cloned();
+        let button = Button::new(RichText::new("Watch").strong());
+        if ui.add_enabled(task.is_ok(), button).clicked() {
             let ctx = ui.ctx().clone();
-            self.start(&ctx, workspace, subject);
+            self.start(&ctx, workspace, subject.clone());
+        }
+        match (task, subject) {
+            (Err(problem), _) => drop(ui.label(RichText::new(problem).color(theme::alarm(ui)))),
+            (Ok(mut task), Some(Subject::Recording(name))) => {
+                let notes = command::name_model(&mut task.model, workspace.model(), workspace.model());
+                let healthy = self.healthy(workspace);
+                if let Some(line) = command::of(&task, named(workspace, &name), ("--baseline", &healthy)) {
+                    command::ui(ui, &line, &notes);
+                }
+            }
+            _ => {}
         }
     }
 
@@ -262,12 +285,17 @@ impl WatchView {
                 self.healthy.extend(on.then_some(name));
             }
         }
-        if self.healthy.is_empty() {
+        if let (true, Ok(task)) = (self.healthy.is_empty(), self.form.settings()) {
             let text = format!(
                 "No healthy recording is ticked: the first {} s of what is watched are taken as healthy.",
-                self.settings.learn_s
+                task.watching.settings().learn_s
             );
             ui.label(RichText::new(text).small().color(theme::weak(ui)));
         }
     }
+}
+
+/// The shown recording of that name.
+fn named<'w>(workspace: &'w Workspace, name: &str) -> Option<&'w Recording> {
+    workspace.shown().map(|(_, shown)| shown).find(|shown| shown.about.name == name)
 }

@@ -4,10 +4,12 @@ use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use socam_job::{Grid, Watch};
 use socam_model::Model;
+use socam_monitoring::{Event, Monitor, MonitorError, Overlay};
 use socam_recording::{Channel, Dataset};
-use socam_watch::{Baseline, Event, Overlay, Settings, Watch, WatchError};
 
+use super::super::fitting::{self, datasets};
 use crate::progress;
 use socam_workbench::job::{CANCELLED, Handle, Job};
 use socam_workbench::queue::Batch;
@@ -23,8 +25,8 @@ const SNAPSHOT_EVERY: Duration = Duration::from_millis(50);
 pub(super) enum Source {
     /// A recording, at a multiple of its own speed; `None` is as fast as possible.
     Replay { recording: Recording, speed: Option<f64> },
-    /// The running bench.
-    Live { channels: Vec<Channel>, samples: Receiver<Arc<Batch>> },
+    /// The running bench, with its channels.
+    Live(Vec<Channel>),
 }
 
 /// A watch that runs or has ended.
@@ -43,7 +45,7 @@ pub(super) struct Session {
 
 /// The thread's end.
 struct Worker<'a> {
-    watch: Watch,
+    monitor: Monitor,
     overlay: Arc<Mutex<Option<Overlay>>>,
     events: Sender<Event>,
     handle: &'a Handle,
@@ -51,54 +53,43 @@ struct Worker<'a> {
 }
 
 impl Session {
-    pub(super) fn replay(
+    pub(super) fn start(
         wake: &Wake,
+        task: Watch,
         model: Model,
-        (recording, speed): (Recording, Option<f64>),
+        source: Source,
         healthy: Vec<Recording>,
-        settings: Settings,
-    ) -> Self {
-        let name = recording.about.name.clone();
-        Self::start(wake, model, (Source::Replay { recording, speed }, name, None), healthy, settings)
-    }
-
-    pub(super) fn live(
-        wake: &Wake,
-        model: Model,
-        channels: Vec<Channel>,
-        healthy: Vec<Recording>,
-        settings: Settings,
-    ) -> Self {
-        let (feed, samples) = channel();
-        let source = Source::Live { channels, samples };
-        Self::start(wake, model, (source, "the running bench".into(), Some(feed)), healthy, settings)
-    }
-
-    fn start(
-        wake: &Wake,
-        model: Model,
-        (source, name, feed): (Source, String, Option<Sender<Arc<Batch>>>),
-        healthy: Vec<Recording>,
-        settings: Settings,
     ) -> Self {
         let overlay = Arc::<Mutex<Option<Overlay>>>::default();
-        let (sender, events) = channel();
+        let ((sender, events), (feed, samples)) = (channel(), channel());
+        let name = match &source {
+            Source::Replay { recording, .. } => recording.about.name.clone(),
+            Source::Live(_) => "the running bench".into(),
+        };
+        let is_live = matches!(source, Source::Live(_));
         let theirs = overlay.clone();
         let job = Job::start("Learning from the healthy recordings", wake, move |handle| {
-            let baseline = learned(&model, &healthy, &settings)?;
-            let channels = match &source {
-                Source::Replay { recording, .. } => recording.about.channels.clone(),
-                Source::Live { channels, .. } => channels.clone(),
+            let model = task.model.changed(model).map_err(fitting::sentence)?;
+            let healthy = datasets(&healthy, Grid::Fit(&model), handle)?;
+            let baseline = task.watching.baseline(&model, &healthy).map_err(fitting::sentence)?;
+            let (channels, replay) = match source {
+                Source::Replay { recording, speed } => {
+                    let data = Grid::Fit(&model).apply(recording.dataset()?).map_err(sentence)?;
+                    (data.channels().to_vec(), Some((data, speed)))
+                }
+                Source::Live(channels) => (channels, None),
             };
-            let watch = Watch::new(&model, &channels, baseline, settings).map_err(sentence)?;
-            let mut worker = Worker { watch, overlay: theirs, events: sender, handle, shown: Instant::now() };
+            let settings = task.watching.settings();
+            let monitor = Monitor::new(&model, &channels, baseline, settings).map_err(sentence)?;
+            let mut worker =
+                Worker { monitor, overlay: theirs, events: sender, handle, shown: Instant::now() };
             handle.doing("Watching".into());
-            match source {
-                Source::Replay { recording, speed } => worker.replay(&recording.dataset()?, speed),
-                Source::Live { samples, .. } => worker.listen(&samples),
+            match replay {
+                Some((data, speed)) => worker.replay(&data, speed),
+                None => worker.listen(&samples),
             }
         });
-        Self { job, overlay, events, is_live: feed.is_some(), feed, name }
+        Self { job, overlay, events, is_live, feed: is_live.then_some(feed), name }
     }
 
     /// Passes on the samples of the running bench. When the bench is disconnected, the monitoring evaluates the remaining samples
@@ -132,15 +123,6 @@ impl Session {
     }
 }
 
-/// The baseline of healthy recordings; `None` if there are none.
-fn learned(model: &Model, healthy: &[Recording], settings: &Settings) -> Result<Option<Baseline>, String> {
-    if healthy.is_empty() {
-        return Ok(None);
-    }
-    let data = healthy.iter().map(Recording::dataset).collect::<Result<Vec<_>, _>>()?;
-    Baseline::of(model, &data, settings).map(Some).map_err(sentence)
-}
-
 impl Worker<'_> {
     fn replay(&mut self, data: &Dataset, speed: Option<f64>) -> Result<(), String> {
         let (begin, rows) = (Instant::now(), data.rows().max(1) as f32);
@@ -152,7 +134,7 @@ impl Worker<'_> {
             for (index, time_s) in block.time_s.iter().enumerate() {
                 row.clear();
                 row.extend(columns.iter().map(|column| column[index]));
-                let events = self.watch.push(*time_s, &row);
+                let events = self.monitor.push(*time_s, &row);
                 self.publish(events)?;
                 done += 1;
                 if done % ROWS == 0 {
@@ -162,7 +144,7 @@ impl Worker<'_> {
                 }
             }
         }
-        let events = self.watch.finish();
+        let events = self.monitor.finish();
         self.publish(events)?;
         self.show();
         Ok(())
@@ -187,13 +169,13 @@ impl Worker<'_> {
                 Ok(batch) => {
                     let width = batch.values.len() / batch.time_s.len().max(1);
                     for (time_s, row) in batch.time_s.iter().zip(batch.values.chunks(width.max(1))) {
-                        let events = self.watch.push(*time_s, row);
+                        let events = self.monitor.push(*time_s, row);
                         self.publish(events)?;
                     }
                 }
                 Err(TryRecvError::Empty) => std::thread::sleep(SNAPSHOT_EVERY / 5),
                 Err(TryRecvError::Disconnected) => {
-                    let events = self.watch.finish();
+                    let events = self.monitor.finish();
                     self.publish(events)?;
                     self.show();
                     return Ok(());
@@ -207,7 +189,7 @@ impl Worker<'_> {
         if self.handle.is_cancelled() { Err(CANCELLED.into()) } else { Ok(()) }
     }
 
-    fn publish(&mut self, events: Result<Vec<Event>, WatchError>) -> Result<(), String> {
+    fn publish(&mut self, events: Result<Vec<Event>, MonitorError>) -> Result<(), String> {
         for event in events.map_err(sentence)? {
             // The window may be gone.
             let _ = self.events.send(event);
@@ -224,7 +206,7 @@ impl Worker<'_> {
 
     fn show(&mut self) {
         self.shown = Instant::now();
-        *self.overlay.lock().unwrap_or_else(PoisonError::into_inner) = Some(self.watch.overlay());
+        *self.overlay.lock().unwrap_or_else(PoisonError::into_inner) = Some(self.monitor.overlay());
     }
 }
 
@@ -243,9 +225,9 @@ mod tests {
             .iter()
             .filter_map(|column| Channel::from_column_name(column))
             .collect();
-        let settings = Settings::default();
-        let mut session =
-            Session::live(&(Arc::new(|| {}) as Wake), model, channels.clone(), Vec::new(), settings);
+        let (wake, task) = (Arc::new(|| {}) as Wake, socam_job::options::defaults().unwrap());
+        let source = Source::Live(channels.clone());
+        let mut session = Session::start(&wake, task, model, source, Vec::new());
         let time_s: Vec<f64> = (0..300).map(|k| f64::from(k) * 1e-3).collect();
         let values = vec![0.0; time_s.len() * channels.len()];
         let batch = Batch { time_s, step_s: 1e-3, after_setup: false, values };

@@ -1,7 +1,7 @@
 //! The residuals of each channel as a table with bars, in units of the noise floor.
 
 use egui::{RichText, Ui, vec2};
-use socam_answer::Diagnosis;
+use socam_findings::Diagnosis;
 
 use super::colours;
 use crate::diagnosis::choice::Sides;

@@ -1,7 +1,7 @@
 //! The first picture: measured against predicted of the channel that the correction improves most, before and after.
 
 use egui::{RichText, Ui, vec2};
-use socam_answer::document::Overlay;
+use socam_findings::document::Overlay;
 
 use super::colours;
 use crate::diagnosis::choice::Sides;

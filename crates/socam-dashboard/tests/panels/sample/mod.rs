@@ -8,13 +8,13 @@ mod troubled;
 
 use std::f64::consts::TAU;
 
-use socam_answer::Evidence;
-use socam_answer::document::Overlay;
-use socam_answer::evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace};
 use socam_chart::theme::Look;
 use socam_dashboard::diagnosis::Over;
-use socam_dashboard::spectra::Kind;
+use socam_dashboard::spectra::ChartType;
 use socam_dashboard::{Dashboard, Layout, View};
+use socam_findings::Evidence;
+use socam_findings::document::Overlay;
+use socam_findings::evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace};
 use socam_recording::{Channel, Dataset, Unit};
 use socam_samples::Samples;
 use socam_workbench::document::{Document, parse};
@@ -149,7 +149,7 @@ fn with_runs(look: Look, view: View, runs: u32) -> Dashboard {
     dashboard
 }
 
-fn with_spectra(look: Look, kind: Kind, runs: u32) -> Dashboard {
+fn with_spectra(look: Look, kind: ChartType, runs: u32) -> Dashboard {
     let mut dashboard = with_runs(look, View::Frequency, runs);
     dashboard.views.frequency.kind = kind;
     dashboard
@@ -192,7 +192,7 @@ fn diagnosed(look: Look, over: Over) -> Dashboard {
 
 /// The states in which the views are looked at, by name: with data and without, with twelve recordings, with one sample, with long
 /// names, gaps, missing values and spikes, with something wrong.
-pub(crate) const STATES: [&str; 39] = [
+pub(crate) const STATES: [&str; 40] = [
     "time-tiles",
     "time-thirty",
     "time-derive",
@@ -226,6 +226,7 @@ pub(crate) const STATES: [&str; 39] = [
     "live-empty",
     "live",
     "live-fault",
+    "watch",
     "fleet",
     "fleet-machine",
     "fleet-findings",
@@ -243,11 +244,11 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "time-tiles" | "time-derive" => with_runs(look, View::Time, 2),
         "time-thirty" => with_runs(look, View::Time, 30),
         "time-wrong" => with_runs(look, View::Time, 1),
-        "spectrum" => with_spectra(look, Kind::Spectrum, 2),
-        "spectrum-twelve" => with_spectra(look, Kind::Spectrum, 12),
+        "spectrum" => with_spectra(look, ChartType::Spectrum, 2),
+        "spectrum-twelve" => with_spectra(look, ChartType::Spectrum, 12),
         "spectrum-trouble" => dashboard(look, View::Frequency),
-        "response" => with_spectra(look, Kind::Response, 2),
-        "poles" => with_spectra(look, Kind::Poles, 0),
+        "response" => with_spectra(look, ChartType::Response, 2),
+        "poles" => with_spectra(look, ChartType::Poles, 0),
         "check" => with_runs(look, View::Check, 2),
         "identify" | "identify-empty" => dashboard(look, View::Identify),
         "identify-setup" => with_runs(look, View::Identify, 3),
@@ -264,6 +265,7 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "live-empty" => dashboard(look, View::Live),
         "live" => bench::running(look),
         "live-fault" => bench::stopped(look),
+        "watch" => with_runs(look, View::Watch, 2),
         "fleet" | "fleet-machine" | "fleet-findings" | "fleet-unfit" => fleet::showing(look, name),
         "fleet-empty" => dashboard(look, View::Fleet),
         "help" => with_runs(look, View::Time, 1),

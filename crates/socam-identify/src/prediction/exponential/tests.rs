@@ -1,4 +1,4 @@
-//! Steps against the matrix exponential.
+//! Compares steps with the matrix exponential.
 
 use super::*;
 use socam_model::Model;
@@ -46,7 +46,7 @@ fn steps_of_all_lengths_are_exponentials() {
                 assert!((got(n + l) - expected).abs() < 1e-9 * size, "level {index}: {i} drive {l}");
             }
         }
-        // Speeds are those of the states: at the end, and in the middle as one level further ends.
+        // The port input is a speed state: at the end it equals that state, in the middle the state at the end of a step half as long.
         for l in 0..dimensions.width() {
             assert!(
                 (level.rows[(n + 1) * dimensions.width() + l] - level.rows[(n - 1) * dimensions.width() + l])

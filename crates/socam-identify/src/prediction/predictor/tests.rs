@@ -4,7 +4,7 @@ use socam_model::{BUILTIN, Model};
 use crate::prediction::laws::PortLaw;
 use crate::prediction::predictor::*;
 
-/// A model with dry friction at one of its bearings, steep enough to bend within a sample.
+/// A model with dry friction at one of its bearings, whose transition may lie within the change of speed of one sample.
 fn rubbing(name: &str, place: &str, torque: f64, width: f64) -> Model {
     let (_, text) = BUILTIN.iter().find(|(candidate, _)| *candidate == name).unwrap();
     let parameters = format!(
@@ -21,7 +21,7 @@ fn swinging(rows: usize, step_s: f64) -> Vec<f64> {
     (0..rows).map(|k| k as f64 * step_s).map(|t| 8.0 * (40.0 * t).sin() + 5.0 * (97.0 * t).cos()).collect()
 }
 
-/// Classical Runge-Kutta from standstill in many small steps: other numerics on the same equations.
+/// Classical Runge-Kutta from standstill in many small steps: an independent method for the same equations.
 fn plain(model: &Model, input: &[f64], step_s: f64, parts: usize) -> Vec<Vec<f64>> {
     let values = model.values();
     let e = model.equations(&values).unwrap();
@@ -78,7 +78,7 @@ fn small_explicit_steps_say_the_same() {
     assert!(usual.unresolved == 0 && steps > 420 && more > steps, "{steps} and {more}");
 }
 
-/// Knocks of a gear with play, against its rounded law in steps far shorter than a contact.
+/// Compares impacts of a gear with play with its smooth law, integrated in steps far shorter than a contact.
 #[test]
 fn teeth_meet_and_part_when_they_should() {
     let step_s = 1e-3;

@@ -5,7 +5,7 @@ use socam_recording::{Channel, Unit};
 
 use super::*;
 
-/// A dataset of the two-mass model's channels whose values tell their rows; some rows are missing, some inputs.
+/// A dataset of the two-mass model's channels whose values encode their rows; some rows and some inputs are missing.
 fn numbered(rows: u64, missing: impl Fn(u64) -> bool, blind: impl Fn(u64) -> bool) -> (Model, Dataset) {
     let model = Model::builtin("speed-o-cam").unwrap();
     let there: Vec<u64> = (0..rows).filter(|row| !missing(*row)).collect();

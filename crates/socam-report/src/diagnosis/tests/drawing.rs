@@ -1,6 +1,6 @@
 //! Tests of the drawings on a page: the bench with its marks, and the text of every picture.
 
-use socam_answer::Evidence;
+use socam_findings::Evidence;
 use socam_model::Model;
 
 use super::{reader::report, sample};

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use socam_answer::{Diagnosis, Evidence};
+use socam_findings::{Diagnosis, Evidence};
 use socam_model::Model;
 
 use super::{KEEP, MOST_BYTES, drawing};

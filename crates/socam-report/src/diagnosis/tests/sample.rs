@@ -1,6 +1,6 @@
 //! A made-up but plausible diagnosis of the default bench.
 
-use socam_answer::document::*;
+use socam_findings::document::*;
 
 use super::signals::overlay;
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use socam_answer::{
+use socam_findings::{
     document::{Overlay, RecordingUse},
     evidence::*,
 };

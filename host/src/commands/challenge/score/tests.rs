@@ -34,7 +34,7 @@ fn diagnosis(findings: &[Value], holdout_rms_after: f64) -> Result<Diagnosis, St
     .map_err(|error| error.to_string())
 }
 
-fn case(kind: Kind, hidden: &[(&str, &str)]) -> Case {
+fn case(kind: CaseKind, hidden: &[(&str, &str)]) -> Case {
     let on_default_bench = |number: &u64| family_of(1, *number) == "speed-o-cam";
     let mut case = Case::draw(1, (0..400).find(on_default_bench).unwrap()).unwrap();
     (case.kind, case.background) = (kind, Background::default());
@@ -50,12 +50,12 @@ fn case(kind: Kind, hidden: &[(&str, &str)]) -> Case {
     case
 }
 
-fn score(kind: Kind, hidden: &[(&str, &str)], findings: &[Value]) -> Score {
+fn score(kind: CaseKind, hidden: &[(&str, &str)], findings: &[Value]) -> Score {
     let oracle = Oracle { gain: vec![Some(100.0); hidden.len()], misfit: Some(1.0) };
     Score::new(&case(kind, hidden), (&diagnosis(findings, 0.0114), 2.0), oracle, &same_effect)
 }
 
-/// Stands in for what the recordings say: places of one effect cannot be told apart.
+/// Replaces the comparison by recordings: places of one effect are equivalent.
 fn same_effect(finding: &Finding, _: usize) -> bool {
     finding.effect == "missing_inertia" || finding.effect == "coupling_slip"
 }
@@ -65,7 +65,7 @@ fn the_first_finding_counts() {
     let truth = [("gravity_unbalance", "load")];
     let right = finding("gravity_unbalance", "load", &[]);
     let wrong = finding("sensor_gain", "torque_out", &[("gravity_unbalance", "load")]);
-    let first = score(Kind::Single, &truth, &[right.clone(), wrong.clone()]);
+    let first = score(CaseKind::Single, &truth, &[right.clone(), wrong.clone()]);
     // Gravity does not tie with the wrong name: 0.7 beside 0.3 is more than twice as much.
     assert!(first.right && first.wrong_name && first.detectable);
     assert_eq!(
@@ -74,36 +74,36 @@ fn the_first_finding_counts() {
     );
     assert_eq!(first.at_the_floor, Some(true));
     assert_eq!(first.intervals, [("torque".to_owned(), true), ("phase".to_owned(), true)]);
-    let second = score(Kind::Single, &truth, &[wrong, right]);
+    let second = score(CaseKind::Single, &truth, &[wrong, right]);
     assert!(!second.right && second.at_the_floor.is_none());
-    let elsewhere = score(Kind::Single, &truth, &[finding("gravity_unbalance", "disk", &[])]);
+    let elsewhere = score(CaseKind::Single, &truth, &[finding("gravity_unbalance", "disk", &[])]);
     assert!(!elsewhere.right && elsewhere.intervals.is_empty());
-    assert!(!score(Kind::Single, &truth, &[]).right);
+    assert!(!score(CaseKind::Single, &truth, &[]).right);
 }
 
 #[test]
 fn a_twin_counts_if_it_owns_up() {
     let truth = [("missing_inertia", "cam_shaft")];
     let named = |rivals: &[(&str, &str)]| finding("missing_inertia", "disk", rivals);
-    assert!(score(Kind::Single, &truth, &[named(&[("missing_inertia", "cam_shaft")])]).right);
-    assert!(!score(Kind::Single, &truth, &[named(&[])]).right);
+    assert!(score(CaseKind::Single, &truth, &[named(&[("missing_inertia", "cam_shaft")])]).right);
+    assert!(!score(CaseKind::Single, &truth, &[named(&[])]).right);
     let slip = finding("coupling_slip", "coupling_2", &[("coupling_slip", "coupling_1")]);
-    assert!(score(Kind::Single, &[("coupling_slip", "coupling_1")], &[slip]).right);
+    assert!(score(CaseKind::Single, &[("coupling_slip", "coupling_1")], &[slip]).right);
 }
 
 #[test]
 fn a_wrong_name_beside_a_tying_right_rival_is_no_wrong_name() {
     let truth = [("constant_load", "load")];
     let mut wrong = finding("sensor_offset", "torque_out", &[("constant_load", "load")]);
-    assert!(score(Kind::Single, &truth, &[wrong.clone()]).wrong_name);
+    assert!(score(CaseKind::Single, &truth, &[wrong.clone()]).wrong_name);
     wrong["rivals"][0]["weight"] = json!(0.4);
-    let tied = score(Kind::Single, &truth, &[wrong]);
+    let tied = score(CaseKind::Single, &truth, &[wrong]);
     assert!(!tied.right && !tied.wrong_name && tied.probability == [0.4]);
 }
 
 #[test]
 fn the_background_is_no_false_alarm() {
-    let mut case = case(Kind::Clean, &[]);
+    let mut case = case(CaseKind::Clean, &[]);
     case.background.friction = vec![("load_bearing".into(), 0.01)];
     let named = |place: &str| {
         let answer = diagnosis(&[finding("coulomb_friction", place, &[])], 0.1);
@@ -114,7 +114,7 @@ fn the_background_is_no_false_alarm() {
 }
 
 /// A realistic case with one late sensor, friction at the load and a wrong torque constant.
-fn realistic(kind: Kind, hidden: &[(&str, &str)]) -> Case {
+fn realistic(kind: CaseKind, hidden: &[(&str, &str)]) -> Case {
     let mut case = case(kind, hidden);
     case.realistic = true;
     case.background.friction = vec![("load_bearing".into(), 0.05)];
@@ -124,7 +124,7 @@ fn realistic(kind: Kind, hidden: &[(&str, &str)]) -> Case {
 
 #[test]
 fn the_background_may_come_before_what_is_hidden() {
-    let case = realistic(Kind::Single, &[("gravity_unbalance", "load")]);
+    let case = realistic(CaseKind::Single, &[("gravity_unbalance", "load")]);
     let friction = finding("coulomb_friction", "load_bearing", &[]);
     let of = |findings: &[Value]| {
         Score::new(&case, (&diagnosis(findings, 0.1), 1.0), Oracle::default(), &same_effect)
@@ -132,7 +132,7 @@ fn the_background_may_come_before_what_is_hidden() {
     let gravity = || finding("gravity_unbalance", "load", &[]);
     let after = of(&[friction.clone(), gravity()]);
     assert!(after.right && !after.wrong_name);
-    // Both statements are true: the bench rubs there.
+    // Both statements are true: the background has friction there.
     assert_eq!(after.statements, [(1.0, true), (1.0, true)]);
     let elsewhere = finding("coulomb_friction", "cam_bearing", &[]);
     assert!(!of(&[elsewhere, gravity()]).right);
@@ -140,7 +140,7 @@ fn the_background_may_come_before_what_is_hidden() {
 
 #[test]
 fn delays_are_relative() {
-    let case = realistic(Kind::Clean, &[]);
+    let case = realistic(CaseKind::Clean, &[]);
     let of = |place: &str, delay_s: f64| {
         let mut named = finding("sensor_delay", place, &[]);
         named["parameters"][0] =
@@ -155,7 +155,7 @@ fn delays_are_relative() {
 
 #[test]
 fn friction_of_the_background_adds_to_a_hidden_one() {
-    let case = realistic(Kind::Single, &[("coulomb_friction", "load_bearing")]);
+    let case = realistic(CaseKind::Single, &[("coulomb_friction", "load_bearing")]);
     let of = |value: f64| {
         let mut named = finding("coulomb_friction", "load_bearing", &[]);
         named["parameters"][0]["ci95"] = json!([value - 0.01, value + 0.01]);
@@ -170,10 +170,10 @@ fn small_masses_are_there() {
     let truth = [("constant_load", "load")];
     let load = || finding("constant_load", "load", &[]);
     let inertia = |place| finding("missing_inertia", place, &[]);
-    assert!(!score(Kind::Single, &truth, &[load(), inertia("torque_sensor_out")]).wrong_name);
-    assert!(score(Kind::Single, &truth, &[load(), inertia("disk")]).wrong_name);
-    assert!(score(Kind::Single, &truth, &[inertia("torque_sensor_out")]).wrong_name);
-    assert!(score(Kind::Clean, &[], &[inertia("torque_sensor_out")]).wrong_name);
+    assert!(!score(CaseKind::Single, &truth, &[load(), inertia("torque_sensor_out")]).wrong_name);
+    assert!(score(CaseKind::Single, &truth, &[load(), inertia("disk")]).wrong_name);
+    assert!(score(CaseKind::Single, &truth, &[inertia("torque_sensor_out")]).wrong_name);
+    assert!(score(CaseKind::Clean, &[], &[inertia("torque_sensor_out")]).wrong_name);
 }
 
 #[test]
@@ -182,16 +182,16 @@ fn two_effects_count_in_any_order_but_before_others() {
     let found = truth.map(|(effect, place)| finding(effect, place, &[]));
     let extra = finding("sensor_gain", "torque_in", &[]);
     let [load, play] = found;
-    assert!(score(Kind::Double, &truth, &[play.clone(), load.clone()]).right);
-    assert!(score(Kind::Double, &truth, &[load.clone(), play.clone(), extra.clone()]).right);
-    assert!(!score(Kind::Double, &truth, &[load.clone(), extra, play]).right);
-    assert!(!score(Kind::Double, &truth, &[load]).right);
+    assert!(score(CaseKind::Double, &truth, &[play.clone(), load.clone()]).right);
+    assert!(score(CaseKind::Double, &truth, &[load.clone(), play.clone(), extra.clone()]).right);
+    assert!(!score(CaseKind::Double, &truth, &[load.clone(), extra, play]).right);
+    assert!(!score(CaseKind::Double, &truth, &[load]).right);
 }
 
 #[test]
 fn nothing_is_to_be_found_on_a_clean_bench() {
-    assert!(score(Kind::Clean, &[], &[]).right);
-    let alarm = score(Kind::Clean, &[], &[finding("sensor_gain", "torque_in", &[])]);
+    assert!(score(CaseKind::Clean, &[], &[]).right);
+    let alarm = score(CaseKind::Clean, &[], &[finding("sensor_gain", "torque_in", &[])]);
     assert!(!alarm.right && alarm.wrong_name);
 }
 
@@ -200,20 +200,20 @@ fn outside_the_catalogue_the_place_is_enough_and_so_is_not_knowing() {
     let truth = [("eddy_current_brake", "load_bearing")];
     let unexplained = finding(UNEXPLAINED, "torque_out", &[]);
     let elsewhere = finding("sensor_gain", "torque_out", &[]);
-    assert!(score(Kind::Outside, &truth, std::slice::from_ref(&unexplained)).right);
-    assert!(score(Kind::Outside, &truth, &[finding("stribeck_friction", "load_bearing", &[])]).right);
-    assert!(score(Kind::Outside, &truth, &[finding("constant_load", "load", &[])]).right);
-    let wrong = score(Kind::Outside, &truth, std::slice::from_ref(&elsewhere));
+    assert!(score(CaseKind::Outside, &truth, std::slice::from_ref(&unexplained)).right);
+    assert!(score(CaseKind::Outside, &truth, &[finding("stribeck_friction", "load_bearing", &[])]).right);
+    assert!(score(CaseKind::Outside, &truth, &[finding("constant_load", "load", &[])]).right);
+    let wrong = score(CaseKind::Outside, &truth, std::slice::from_ref(&elsewhere));
     assert!(!wrong.right && wrong.wrong_name);
-    assert!(!score(Kind::Outside, &truth, &[elsewhere, unexplained]).wrong_name);
+    assert!(!score(CaseKind::Outside, &truth, &[elsewhere, unexplained]).wrong_name);
 }
 
 #[test]
 fn a_failed_diagnosis_is_wrong_and_small_effects_do_not_count() {
     let failed =
-        Score::new(&case(Kind::Clean, &[]), (&Err("no".into()), 1.0), Oracle::default(), &same_effect);
+        Score::new(&case(CaseKind::Clean, &[]), (&Err("no".into()), 1.0), Oracle::default(), &same_effect);
     assert!(!failed.right && failed.error.is_some());
     let oracle = Oracle { gain: vec![Some(24.0)], misfit: Some(1.0) };
-    let truth = case(Kind::Single, &[("backlash", "mesh")]);
+    let truth = case(CaseKind::Single, &[("backlash", "mesh")]);
     assert!(!Score::new(&truth, (&diagnosis(&[], 0.1), 1.0), oracle, &same_effect).detectable);
 }

@@ -46,7 +46,7 @@ fn a_link_that_nobody_answers_is_given_up_at_once() {
     until(&mut window, "a sentence", |window| window.query_by_label_contains("says nothing").is_some());
 }
 
-/// A board behind TCP, and a line to it that can be cut. Returns where to connect, and what cuts it.
+/// A board behind TCP, and a line to it that can be cut. Returns the address, and a function that cuts the line.
 fn board_on_a_line() -> (String, impl FnOnce()) {
     #[derive(clap::Parser)]
     struct Server {
@@ -148,7 +148,7 @@ fn fills_up(folder: &Path) {
     assert!(!well && text.contains("disk is full") && text.contains("run-1.mcap"), "{text}");
     let data = Dataset::open(&path.display().to_string()).unwrap();
     assert!(data.rows() > 1000 && data.lost_samples() == 0, "{}", data.rows());
-    // There is no room for a copy either, and no part of it is left.
+    // A copy does not fit either, and no part of it remains.
     let name = path.display().to_string();
     window.state_mut().open([name]);
     until(&mut window, "the recording", |window| !window.state().is_busy());
@@ -161,7 +161,7 @@ fn fills_up(folder: &Path) {
     assert!(problems[0].contains("run-1.csv") && problems[0].contains("space"), "{problems:?}");
     assert_eq!(std::fs::read_dir(folder).unwrap().count(), 1);
     click(&mut window, "Live");
-    // The bench must not go on unobserved, and the window does.
+    // The bench must not continue unobserved; the window continues.
     until(&mut window, "rest", |window| state(window) == Some(State::Idle));
     let shown = window.state().workspace.bench.buffer().rows();
     until(&mut window, "samples", |window| window.state().workspace.bench.buffer().rows() > shown);

@@ -15,7 +15,7 @@ fn draw(window: &mut Window, pictures: u32) {
     }
 }
 
-/// Runs two seconds, presses the emergency stop, and compares what the window has with what was recorded.
+/// Runs two seconds, presses the emergency stop, and compares the window's samples with the recorded ones.
 fn every_sample_is_shown(mut window: Window, step_s: f64) {
     running(&mut window);
     draw(&mut window, 10);

@@ -1,0 +1,133 @@
+//! The headline of a diagnosis: what was found, where, how large, and how certain. Report, terminal and dashboard show this headline.
+//!
+//! ```
+//! let text = include_str!("headline/example.json");
+//! let diagnosis: socam_findings::Diagnosis = serde_json::from_str(text)?;
+//! let headline = socam_findings::headline(&diagnosis);
+//! assert_eq!(headline.title, "Physics is missing: Coulomb friction, at either bearing (motor_bearing or load_bearing)");
+//! assert_eq!(headline.claims[0].size.as_deref(), Some("torque 0.3010 N m (95 % interval 0.2951 to 0.3069), if at motor_bearing"));
+//! # Ok::<(), serde_json::Error>(())
+//! ```
+
+mod certainty;
+mod claim;
+
+#[cfg(test)]
+mod tests;
+
+pub use socam_model::drawing::PlaceMark;
+
+use crate::document::{Diagnosis, Finding, UNEXPLAINED, Verdict};
+use crate::proof::Proof;
+use crate::words;
+
+/// Least weight of a competing explanation that ties with the finding, as a share of the finding's own weight. The headline names both.
+/// Odds below 3 to 1 are "not worth more than a bare mention" (Kass and Raftery, Bayes factors, 1995).
+const TIE: f64 = 1.0 / 3.0;
+/// Least weight of a competing explanation whose place is marked in a drawing.
+const MARKED: f64 = 0.05;
+
+/// The kind of a headline, for its colour and sign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tone {
+    /// Nothing material is missing.
+    Adequate,
+    /// Physics is missing, and it has a name.
+    Missing,
+    /// Something is missing that has no name.
+    Unexplained,
+    /// Held-out recordings contradict what was found.
+    Contradicted,
+}
+
+/// The headline.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Headline {
+    /// Kind, for colour and sign.
+    pub tone: Tone,
+    /// One line without a full stop: what is missing and where, with all explanations that tie.
+    pub title: String,
+    /// One line for each finding, in their order.
+    pub claims: Vec<Claim>,
+    /// Sentences about the certainty, the most important first: the proof, the competing explanations, and the remaining misfit.
+    pub certainty: Vec<String>,
+}
+
+/// A finding in one line.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Claim {
+    /// What it is and where, with all explanations that tie: "Coulomb friction or Stribeck friction at load_bearing".
+    pub what: String,
+    /// Its size with unit and interval; `None` where it has none.
+    pub size: Option<String>,
+    /// Whether competing explanations tie with it.
+    pub tied: bool,
+}
+
+/// The headline of a diagnosis.
+#[must_use]
+pub fn headline(diagnosis: &Diagnosis) -> Headline {
+    let claims: Vec<Claim> = diagnosis.findings.iter().map(claim::claim).collect();
+    let failed = matches!(Proof::of(diagnosis), Proof::Failed(_));
+    let tone = match diagnosis.verdict {
+        Verdict::Adequate => Tone::Adequate,
+        _ if failed => Tone::Contradicted,
+        Verdict::MissingPhysics => Tone::Missing,
+        Verdict::Unexplained => Tone::Unexplained,
+    };
+    Headline {
+        tone,
+        title: title(diagnosis, tone),
+        certainty: certainty::sentences(diagnosis, &claims),
+        claims,
+    }
+}
+
+/// Places to mark in a drawing: each finding's, then those of its competing explanations that have no finding.
+#[must_use]
+pub fn marks(diagnosis: &Diagnosis) -> Vec<(&str, PlaceMark)> {
+    let findings = diagnosis.findings.iter().enumerate();
+    let found = findings.map(|(index, finding)| (finding.location.as_str(), PlaceMark::Finding(index + 1)));
+    let mut marks: Vec<_> = found.collect();
+    for rival in diagnosis.findings.iter().flat_map(|finding| &finding.rivals) {
+        if rival.weight >= MARKED && !marks.iter().any(|(place, _)| *place == rival.location) {
+            marks.push((&rival.location, PlaceMark::Rival));
+        }
+    }
+    marks
+}
+
+fn title(diagnosis: &Diagnosis, tone: Tone) -> String {
+    let is_material = |finding: &&Finding| finding.evidence.material != Some(false);
+    let (nameless, named): (Vec<&Finding>, Vec<&Finding>) =
+        diagnosis.findings.iter().filter(is_material).partition(|finding| finding.effect == UNEXPLAINED);
+    let named: Vec<String> = named.into_iter().map(claim::what).collect();
+    let places: Vec<String> = nameless.into_iter().map(|finding| finding.location.clone()).collect();
+    let places = words::list(&places, "and");
+    let at = if places.is_empty() { String::new() } else { format!(" at {places}") };
+    let what = match (named.is_empty(), at.is_empty()) {
+        (false, true) => joined(&named),
+        (false, false) => format!("{}, and something without a name{at}", joined(&named)),
+        (true, _) => format!("something without a name{at}"),
+    };
+    match tone {
+        Tone::Adequate if diagnosis.findings.is_empty() => {
+            "Nothing is missing that these recordings could show".into()
+        }
+        Tone::Adequate => {
+            "Nothing material is missing: what was found moves no channel by more than the tolerance".into()
+        }
+        Tone::Missing => format!("Physics is missing: {what}"),
+        Tone::Contradicted => format!("Contradicted by the held-out recordings: {what}"),
+        Tone::Unexplained => format!("Something is missing{at} that no effect of the catalogue explains"),
+    }
+}
+
+/// Items as a list; they are set apart by semicolons where they hold commas.
+fn joined(items: &[String]) -> String {
+    if items.len() > 1 && items.iter().any(|item| item.contains(',')) {
+        items.join("; ")
+    } else {
+        words::list(items, "and")
+    }
+}

@@ -1,0 +1,122 @@
+//! A finding in one line, with the explanations that tie with it.
+
+use socam_model::effects;
+
+use super::{Claim, TIE};
+use crate::document::{EffectParameter, Finding, Rival, UNEXPLAINED};
+use crate::words;
+
+/// Greatest number of explanations that are named one by one.
+const NAMED: usize = 4;
+
+/// One line about a finding.
+pub(super) fn claim(finding: &Finding) -> Claim {
+    Claim { what: what(finding), size: size(finding), tied: explanations(finding).len() > 1 }
+}
+
+/// Effect and place of a finding, with those of all explanations that tie.
+pub(super) fn what(finding: &Finding) -> String {
+    let all = explanations(finding);
+    let (shown, more) = (&all[..all.len().min(NAMED)], all.len().saturating_sub(NAMED));
+    let (effects, places) = distinct(shown);
+    let text = if shown.len() == effects.len() * places.len() {
+        together(&effects, &places)
+    } else {
+        let of = |effect: &&str| {
+            let places: Vec<&str> = shown.iter().filter(|own| own.0 == *effect).map(|own| own.1).collect();
+            together(&[*effect], &places)
+        };
+        effects.iter().map(of).collect::<Vec<_>>().join(", or ")
+    };
+    if more > 0 { format!("{text}, or one of {more} other explanations") } else { text }
+}
+
+/// Weight of a finding beside its competing explanations, 0 to 1.
+pub(super) fn own_weight(finding: &Finding) -> f64 {
+    let others: f64 =
+        finding.rivals.iter().map(|rival| rival.weight).filter(|weight| weight.is_finite()).sum();
+    (1.0 - others).clamp(0.0, 1.0)
+}
+
+/// The competing explanations that tie with a finding.
+pub(super) fn ties(finding: &Finding) -> impl Iterator<Item = &Rival> {
+    // The finding leads the list even if its rivals have all the weight.
+    let least = TIE * own_weight(finding).max(0.1);
+    finding.rivals.iter().filter(move |rival| rival.weight >= least && finding.effect != UNEXPLAINED)
+}
+
+/// Effect and place of a finding, then of each explanation that ties, each once.
+fn explanations(finding: &Finding) -> Vec<(&str, &str)> {
+    let mut all = vec![(finding.effect.as_str(), finding.location.as_str())];
+    for rival in ties(finding) {
+        let own = (rival.effect.as_str(), rival.location.as_str());
+        if !all.contains(&own) {
+            all.push(own);
+        }
+    }
+    all
+}
+
+/// The effects and the places among explanations, in their order.
+fn distinct<'a>(explanations: &[(&'a str, &'a str)]) -> (Vec<&'a str>, Vec<&'a str>) {
+    let (mut effects, mut places) = (Vec::new(), Vec::new());
+    for (effect, place) in explanations {
+        if !effects.contains(effect) {
+            effects.push(*effect);
+        }
+        if !places.contains(place) {
+            places.push(*place);
+        }
+    }
+    (effects, places)
+}
+
+/// Any of the effects at any of the places.
+fn together(effects: &[&str], places: &[&str]) -> String {
+    let names: Vec<String> = effects.iter().map(|effect| words::effect(effect)).collect();
+    let places_in_words: Vec<String> = places.iter().map(|place| (*place).to_owned()).collect();
+    let (what, at) = (words::list(&names, "or"), words::list(&places_in_words, "or"));
+    match (places.len(), noun(effects)) {
+        (2, Some(noun)) => format!("{what}, at either {noun} ({at})"),
+        (3.., Some(noun)) => format!("{what}, at one of {} {noun}s ({at})", places.len()),
+        _ => format!("{what} at {at}"),
+    }
+}
+
+/// The kind of place at which all of these effects act, without an article.
+fn noun(effects: &[&str]) -> Option<&'static str> {
+    let mut kinds = effects.iter().map(|effect| effects::find(effect).map(|effect| effect.acts_at));
+    let first = kinds.next()??;
+    kinds.all(|kind| kind == Some(first)).then(|| first.noun().trim_start_matches("a "))
+}
+
+/// The parameters that measure the size of a finding, with units and intervals.
+fn size(finding: &Finding) -> Option<String> {
+    let amplitudes = effects::find(&finding.effect).map_or(&[][..], |effect| effect.amplitude.parameters);
+    let is_amplitude = |own: &&EffectParameter| amplitudes.contains(&own.name.as_str());
+    let mut shown: Vec<&EffectParameter> = finding.parameters.iter().filter(is_amplitude).collect();
+    if shown.is_empty() {
+        shown.extend(finding.parameters.first());
+    }
+    let each = shown.iter().map(|own| {
+        format!("{} {}", own.name.replace('_', " "), words::quantity(own.value, own.ci95, &own.unit))
+    });
+    let mut size = each.collect::<Vec<_>>().join(", ");
+    if size.is_empty() {
+        return None;
+    }
+    if finding.components.len() > 1 {
+        size.push_str(&format!(", the largest of {} orders", finding.components.len()));
+    }
+    let all = explanations(finding);
+    let (effects, places) = distinct(&all);
+    match (effects.len() > 1, places.len() > 1) {
+        (false, false) => {}
+        (true, false) => size.push_str(&format!(", if it is {}", words::effect(&finding.effect))),
+        (false, true) => size.push_str(&format!(", if at {}", finding.location)),
+        (true, true) => {
+            size.push_str(&format!(", if it is {} at {}", words::effect(&finding.effect), finding.location));
+        }
+    }
+    Some(size)
+}
