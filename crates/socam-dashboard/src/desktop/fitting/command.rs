@@ -59,7 +59,7 @@ pub(crate) fn ui(ui: &mut Ui, command: &str, notes: &[String]) {
             ui.ctx().copy_text(command.to_owned());
         }
         let first = command.lines().next().unwrap_or_default();
-        ui.add(Label::new(RichText::new(first).monospace().small()).wrap());
+        ui.add(Label::new(RichText::new(first).monospace().size(12.0)).wrap());
     });
     for note in notes {
         ui.label(RichText::new(note).small().color(theme::weak(ui)));
