@@ -61,6 +61,7 @@ impl Regression {
             combinations: Vec::new(),
             nuisance: Vec::new(),
             fit,
+            between: Vec::new(),
             left_out: Vec::new(),
             input_noise_std: Vec::new(),
             advice: Vec::new(),

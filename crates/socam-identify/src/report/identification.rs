@@ -2,7 +2,10 @@
 
 use serde::Serialize;
 
-use crate::{optimiser::descent::End, preprocessing::mask::LeftOut};
+use crate::{
+    optimiser::{descent::End, intersamples::Between},
+    preprocessing::mask::LeftOut,
+};
 
 /// Version of [`Identification`]'s JSON form.
 pub const SCHEMA: &str = "socam.identification/1";
@@ -123,6 +126,9 @@ pub struct Identification {
     /// dynamics.
     #[serde(serialize_with = "as_map")]
     pub input_noise_std: Vec<(String, f64)>,
+    /// Behaviour of the inputs between their samples, by channel name; empty for inverse dynamics.
+    #[serde(serialize_with = "as_map")]
+    pub between: Vec<(String, Between)>,
     /// Samples that were not used as measured.
     pub left_out: Vec<LeftOut>,
     /// Advice for quantities that are not determined: sensors and experiments that would determine them.

@@ -98,6 +98,12 @@ pub(crate) fn identification(
         nuisance: offsets(problem, &descent.point.nuisance, results, &uncertainty, &weights.scales),
         fit: fit(problem.model, &channels, &weights.noise_std),
         input_noise_std: input_noise_std(problem.model, &weights.input_std),
+        between: problem
+            .model
+            .inputs()
+            .map(|input| input.name.clone())
+            .zip(problem.between.clone())
+            .collect(),
         left_out: problem.left_out.clone(),
         advice,
         warnings,
