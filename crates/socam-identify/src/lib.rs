@@ -100,7 +100,10 @@ pub use preprocessing::{
 pub use prescribed_motion::{PrescribedMotion, TorqueFit};
 pub use problem::{Constraint, Noise, Options, Problem, StartState};
 pub use progress::{Observer, Progress, ProgressMonitor, Stage};
-pub use report::{ChannelFit, CombinationEstimate, Fit, Identification, ParameterEstimate, SCHEMA, Source};
+pub use report::{
+    ChannelFit, CombinationEstimate, Explained, Fit, Identification, ParameterEstimate, SCHEMA, Source,
+    Verdict,
+};
 pub use socam_model::Intersample;
 pub use uncertainty::{
     combinations::{combination_values, pairs as springs_in_series},

@@ -62,6 +62,7 @@ impl Regression {
             nuisance: Vec::new(),
             fit,
             between: Vec::new(),
+            verdict: None,
             left_out: Vec::new(),
             input_noise_std: Vec::new(),
             advice: Vec::new(),

@@ -108,7 +108,7 @@ pub fn settled_inputs(model: &Model, datasets: &[Dataset], options: Options) -> 
     let mut stated = model.clone();
     if problem.model.inputs().any(|channel| is_open(&problem, channel)) {
         let values = model.values();
-        let nuisance = evaluation::first_nuisance(&problem, &values)?;
+        let nuisance = nuisance::first(&problem, &values)?;
         let descent = iterated_gls(&problem, Point { values, nuisance })?;
         settled(&mut problem, descent)?;
         let inputs = model.inputs().zip(&problem.between);

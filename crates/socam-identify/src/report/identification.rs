@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::{
     optimiser::{descent::End, intersamples::Between},
     preprocessing::mask::LeftOut,
+    report::verdict::Verdict,
 };
 
 /// Version of [`Identification`]'s JSON form.
@@ -122,6 +123,8 @@ pub struct Identification {
     pub nuisance: Vec<ParameterEstimate>,
     /// Fit of the model to the recordings.
     pub fit: Fit,
+    /// Whether the model explains the recordings, in units of the sensors' noise; `None` for inverse dynamics.
+    pub verdict: Option<Verdict>,
     /// Noise levels of the inputs that were used, SI, by channel name; zero where an input was taken as exact; empty for inverse
     /// dynamics.
     #[serde(serialize_with = "as_map")]
