@@ -1,6 +1,6 @@
 //! Results as tables for people.
 
-use socam_identify::{ChannelFit, End, Fit, Identification, ParameterEstimate, Source};
+use socam_identify::{BetweenSource, ChannelFit, End, Fit, Identification, ParameterEstimate, Source};
 
 /// Offsets that are listed one by one.
 const MOST_OFFSETS: usize = 12;
@@ -165,6 +165,23 @@ pub(crate) fn noise(result: &Identification) -> String {
     let inputs: Vec<_> = noisy.map(|(name, std)| (name, *std)).collect();
     let inputs = if inputs.is_empty() { "none".into() } else { list(inputs) };
     format!("  noise, SI: of outputs {}; of inputs {inputs}\n", list(outputs))
+}
+
+/// How the inputs behave between their samples, in one line, and how that is known.
+pub(crate) fn between(result: &Identification) -> String {
+    let each = result.between.iter().map(|(input, own)| {
+        let kind = own.kind.name();
+        match (own.source, own.rival.zip(own.rival_deviance)) {
+            (BetweenSource::Stated, _) => format!("{input} {kind} (stated)"),
+            (BetweenSource::Data, Some((rival, worse))) => {
+                format!("{input} {kind} ({} fits worse, chi-square +{worse:.0})", rival.name())
+            }
+            (_, Some((rival, _))) => format!("{input} {kind} (usual; {} fits as well)", rival.name()),
+            (_, None) => format!("{input} {kind} (usual)"),
+        }
+    });
+    let each: Vec<_> = each.collect();
+    if each.is_empty() { String::new() } else { format!("  between samples: {}\n", each.join(", ")) }
 }
 
 pub(crate) fn fit(title: &str, fit: &Fit) -> String {

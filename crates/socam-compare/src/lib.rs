@@ -48,7 +48,7 @@ pub struct Comparison {
     pub recording: String,
     /// Name of the simulation.
     pub simulation: String,
-    /// `agree` where no channel differs, else `differ`.
+    /// `differ` where a channel differs, `agree` where none does, `nothing_compared` where there is none.
     pub verdict: Verdict,
     /// Probability that a correct simulation gets the verdict `differ`.
     pub false_alarm_rate: f64,
@@ -56,6 +56,8 @@ pub struct Comparison {
     pub time_s: [f64; 2],
     /// Common rows.
     pub rows: usize,
+    /// Channels that are the same in both: inputs of the simulation, which are not compared.
+    pub inputs: Vec<String>,
     /// Channels, the largest error beside its signal first.
     pub channels: Vec<ChannelComparison>,
     /// What was left out, and other warnings.
@@ -70,6 +72,8 @@ pub enum Verdict {
     Agree,
     /// An error was found in at least one channel.
     Differ,
+    /// No channel is an output of both: nothing was compared.
+    NothingCompared,
 }
 
 /// Compares channels that were paired.
@@ -88,7 +92,12 @@ pub fn compare(pairing: &Pairing, options: &Options) -> Comparison {
         schema: "socam.compare/1",
         recording: pairing.recording.clone(),
         simulation: pairing.simulation.clone(),
-        verdict: if differs { Verdict::Differ } else { Verdict::Agree },
+        verdict: match (differs, pairing.channels.is_empty()) {
+            (true, _) => Verdict::Differ,
+            (false, false) => Verdict::Agree,
+            (false, true) => Verdict::NothingCompared,
+        },
+        inputs: pairing.inputs.iter().map(|input| input.channel.name.clone()).collect(),
         false_alarm_rate: options.false_alarm_rate,
         time_s: [first, last],
         rows: pairing.time_s.len(),

@@ -38,6 +38,15 @@ pub fn sentences(comparison: &Comparison) -> Vec<String> {
             "The simulation agrees with the recording: no error depends on the simulated motion (a difference is reported of a right \
              simulation in {percent} % of comparisons). What is left is noise, or motion that the simulation was not told of."
         ),
+        Verdict::NothingCompared => format!(
+            "Nothing was compared: the two files have no channel in common that is not an input of the simulation{}. Channels are paired by \
+             name and unit.",
+            if comparison.inputs.is_empty() {
+                String::new()
+            } else {
+                format!(" (the same in both: {})", comparison.inputs.join(", "))
+            }
+        ),
         Verdict::Differ => format!(
             "The simulation differs from the recording in {differing} of {} channels.",
             comparison.channels.len()

@@ -62,11 +62,14 @@ pub(crate) struct Context<'a> {
     pub(crate) training: &'a [Dataset],
     pub(crate) fit: FitOptions,
     pub(crate) options: &'a Options,
+    /// Inputs whose behaviour between samples the model file does not state.
+    pub(crate) open_inputs: Vec<String>,
     /// Empty where whole recordings are left out.
     folds: Vec<Fold>,
 }
 
 impl<'a> Context<'a> {
+    /// `model` is that of the file: it says which inputs are open.
     pub(crate) fn new(
         model: &Model,
         training: &'a [Dataset],
@@ -74,7 +77,9 @@ impl<'a> Context<'a> {
         options: &'a Options,
     ) -> Result<Self, RecordingError> {
         let folds = if training.len() < FEW { block_folds(model, training)? } else { Vec::new() };
-        Ok(Self { training, fit, options, folds })
+        let open = model.inputs().filter(|input| input.between.is_none());
+        let open_inputs = open.map(|input| input.name.clone()).collect();
+        Ok(Self { training, fit, options, open_inputs, folds })
     }
 
     /// Cross-validation scheme: by whole recordings or by blocks.

@@ -98,6 +98,9 @@ pub fn diagnose(
     let levels = levels(model, &before);
     let (training, mut outliers) = preprocessed(model, &training, &before.point, &levels, &fit)?;
     let context = Context::new(model, &training, fit, options)?;
+    let mut settled = model.clone();
+    before.state_between(&mut settled)?;
+    let model = &settled;
     let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
     let path = forward::run(&context, model, &before.point, &levels)?.ok_or_else(diverged)?;
     options.progress.part("intervals", PART_INTERVALS);

@@ -84,6 +84,7 @@ impl Path {
     /// One step: adds the effect that predicts best, if one predicts better than the last model. Returns whether an effect was added.
     fn extend(&mut self, context: &Context<'_>) -> Result<bool, IdentifyError> {
         self.begin_part(context, "score test of the candidates", 0.0);
+        self.settle_inputs(context)?;
         let scales = self.test(context)?;
         if self.tests.is_empty() {
             return Ok(false);

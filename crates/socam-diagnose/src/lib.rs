@@ -32,6 +32,7 @@
 //! ```
 
 mod answer;
+mod between_samples;
 mod candidate;
 mod candidates;
 mod choice;

@@ -85,6 +85,7 @@ pub use inverse_dynamics::{force_error_percent, inverse_dynamics};
 pub use noise::innovations_filter::NoiseLevels;
 pub use optimiser::{
     descent::End,
+    intersamples::{Between, BetweenSource, others as other_intersamples, settled_inputs},
     nuisance::{Local, start_states},
     output_error::{at_minimum, evaluate, output_error},
 };
@@ -99,7 +100,10 @@ pub use preprocessing::{
 pub use prescribed_motion::{PrescribedMotion, TorqueFit};
 pub use problem::{Constraint, Noise, Options, Problem, StartState};
 pub use progress::{Observer, Progress, ProgressMonitor, Stage};
-pub use report::{ChannelFit, CombinationEstimate, Fit, Identification, ParameterEstimate, SCHEMA, Source};
+pub use report::{
+    ChannelFit, CombinationEstimate, Explained, Fit, Identification, ParameterEstimate, SCHEMA, Source,
+    Verdict,
+};
 pub use socam_model::Intersample;
 pub use uncertainty::{
     combinations::{combination_values, pairs as springs_in_series},

@@ -6,6 +6,7 @@ use socam_recording::Dataset;
 use crate::{
     IdentifyError,
     noise::innovations_filter::NoiseLevels,
+    optimiser::intersamples::Between,
     prediction::start_state,
     preprocessing::{
         mask::LeftOut,
@@ -57,7 +58,8 @@ pub struct Options {
     pub noise: Noise,
     /// Start state of each segment.
     pub start_state: StartState,
-    /// Reconstruction of every input between its samples; `None`: that of [`socam_model::Channel::intersample`].
+    /// Reconstruction of every input between its samples. `None`: that of the model file; where it states none, that which fits the recordings
+    /// best, and where they do not tell, that of [`socam_model::Intersample::of`].
     pub intersample: Option<Intersample>,
     /// Whether to warn where the result depends on the reconstruction of inputs between their samples.
     pub try_other_intersamples: bool,
@@ -106,6 +108,8 @@ pub struct Problem<'a> {
     /// One per input.
     pub(crate) intersample: Vec<Intersample>,
     pub(crate) warnings: Vec<String>,
+    /// What is known of that, one per input.
+    pub(crate) between: Vec<Between>,
     /// Samples that are not used as measured.
     pub(crate) left_out: Vec<LeftOut>,
     /// Sentences about channels with too many large residuals to be outliers.
@@ -207,17 +211,20 @@ impl<'a> Problem<'a> {
         let left_out = screening::find(&inputs, &outputs, datasets, &mut segments)?;
         let intersample =
             inputs.iter().map(|input| options.intersample.unwrap_or_else(|| input.intersample())).collect();
-        Ok(Self {
+        let mut problem = Self {
             model,
             datasets,
             free,
             segments,
             options,
             intersample,
+            between: Vec::new(),
             warnings,
             left_out,
             misfits: Vec::new(),
-        })
+        };
+        problem.between = Between::assumed(&problem);
+        Ok(problem)
     }
 
     /// A problem of given segments, which are neither searched nor checked.
@@ -235,6 +242,7 @@ impl<'a> Problem<'a> {
             segments,
             options,
             intersample,
+            between: Vec::new(),
             warnings: Vec::new(),
             left_out: Vec::new(),
             misfits: Vec::new(),

@@ -90,8 +90,10 @@ pub fn validate(
     options: &Options,
     band: Option<Band>,
 ) -> Result<Vec<Validation>, IdentifyError> {
+    let mut settled = model.clone();
+    result.state_between(&mut settled)?;
     let one = |dataset: &Dataset| {
-        let problem = Problem::new(model, std::slice::from_ref(dataset), options.clone())?;
+        let problem = Problem::new(&settled, std::slice::from_ref(dataset), options.clone())?;
         let fit = evaluate(&problem, &result.point)?;
         let within = |band| {
             let channels = evaluate_band(&problem, &result.point, band)?;

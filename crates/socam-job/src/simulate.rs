@@ -162,6 +162,12 @@ impl Simulate {
         let mut truth = self.bench.truth(model)?;
         set_between(&mut truth.model, &self.between)?;
         let data = open(Grid::Fit(&truth.model))?;
+        // Without the outputs, or far from the recording, nothing is settled.
+        if let Ok(settled) =
+            socam_identify::settled_inputs(&truth.model, std::slice::from_ref(&data), Options::default())
+        {
+            truth.model = settled;
+        }
         let disturbances: std::result::Result<Vec<Disturbance>, _> =
             self.disturb.iter().map(|text| text.parse()).collect();
         let disturbances = disturbances?;

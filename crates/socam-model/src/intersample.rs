@@ -13,7 +13,7 @@ use crate::{ChannelTransform, Quantity};
 /// assert_eq!("band-limited".parse(), Ok(Intersample::BandLimited));
 /// assert!(Intersample::ALL.iter().all(|kind| kind.name().parse() == Ok(*kind)));
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Intersample {
     /// Constant from each sample to the next (zero-order hold): the output of a converter or drive that is updated at the recording's

@@ -3,6 +3,7 @@
 use socam_identify::{
     IdentifyError, NoiseLevels, Problem,
     comparison::{self, NoiseModel},
+    settled_inputs,
 };
 use socam_model::Model;
 use socam_recording::{Channel, Dataset};
@@ -181,6 +182,7 @@ fn fitted(
     let every = blocks.len().div_ceil(NOISE_BLOCKS);
     let each = blocks.iter().step_by(every).map(|block| cutter::dataset([block], channels, step_s));
     let datasets: Vec<Dataset> = each.collect::<Result<_, _>>()?;
+    let model = &settled_inputs(model, &datasets, meter::options())?;
     let noise = noise_model(model, &datasets)?;
     if model.parameters.iter().all(|parameter| parameter.fixed) {
         return Ok((model.clone(), noise));

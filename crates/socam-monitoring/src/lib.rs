@@ -29,4 +29,4 @@ pub use error::MonitorError;
 pub use monitor::Monitor;
 pub use overlay::{BlockSignals, Overlay, OverlayChannel, Phase};
 pub use settings::Settings;
-pub use watched::{Document, Watched};
+pub use watched::{Document, Verdict as RecordingVerdict, Watched};

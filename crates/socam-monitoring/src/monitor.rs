@@ -67,6 +67,7 @@ struct View {
     statistics: Arc<Vec<Symptom>>,
     blocks: VecDeque<Arc<BlockSignals>>,
     alarms: Vec<Alarm>,
+    judged: usize,
     not_judged: usize,
 }
 
@@ -90,6 +91,7 @@ impl Monitor {
             statistics: Arc::default(),
             blocks: VecDeque::new(),
             alarms: Vec::new(),
+            judged: 0,
             not_judged: 0,
         };
         let expected_s = baseline.as_ref().map(|baseline| baseline.meter.step_s);
@@ -174,6 +176,7 @@ impl Monitor {
             self.view.show(Arc::new(measured.signals), most);
             return Ok(Vec::new());
         }
+        self.view.judged += 1;
         let found = active.test(&measured.values);
         measured.signals.tests =
             found.iter().map(|one| one.map_or(0.0, |one| one.size / active.threshold)).collect();
@@ -233,6 +236,7 @@ impl Monitor {
             blocks: self.view.blocks.iter().cloned().collect(),
             alarms: self.view.alarms.clone(),
             baseline: self.active.as_ref().map(|active| active.baseline.summary().clone()),
+            judged: self.view.judged,
             not_judged: self.view.not_judged,
         }
     }

@@ -60,6 +60,8 @@ pub struct Overlay {
     pub alarms: Vec<Alarm>,
     /// Amount of healthy data in the baseline; `None` while the baseline is collected.
     pub baseline: Option<Summary>,
+    /// Number of blocks that were judged.
+    pub judged: usize,
     /// Number of blocks that were not judged: more or less motion than in the baseline, too few samples, an overflow.
     pub not_judged: usize,
 }

@@ -25,13 +25,30 @@ impl Document {
     }
 }
 
+/// What came of monitoring a recording.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// No block was judged: the recording is too short, or moves otherwise than the baseline.
+    #[default]
+    NotJudged,
+    /// Blocks were judged, and none raised an alarm.
+    AsUsual,
+    /// At least one alarm was raised.
+    Alarm,
+}
+
 /// A recording that was monitored from its beginning to its end.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Watched {
     /// Name of the recording.
     pub recording: String,
+    /// Whether anything was judged, and what came of it.
+    pub verdict: Verdict,
     /// `None` if the recording is too short for a baseline.
     pub baseline: Option<Summary>,
+    /// Blocks that were judged.
+    pub blocks_judged: usize,
     /// Blocks with more or less motion than the baseline, or with too few samples.
     pub blocks_not_judged: usize,
     /// Alarms, with their causes where these were sought.
@@ -52,7 +69,12 @@ impl Watched {
         events.iter().for_each(|event| watched.take(event));
         let overlay = monitor.overlay();
         watched.baseline = overlay.baseline;
-        watched.blocks_not_judged = overlay.not_judged;
+        (watched.blocks_judged, watched.blocks_not_judged) = (overlay.judged, overlay.not_judged);
+        watched.verdict = match (overlay.judged, watched.alarms.is_empty()) {
+            (_, false) => Verdict::Alarm,
+            (0, true) => Verdict::NotJudged,
+            (_, true) => Verdict::AsUsual,
+        };
         Ok((watched, events))
     }
 

@@ -15,6 +15,7 @@ const CHANNELS: [&str; 8] =
 pub fn page(comparison: &Comparison, about: &[String]) -> String {
     let title = match comparison.verdict {
         Verdict::Agree => "Simulation and recording agree",
+        Verdict::NothingCompared => "Nothing was compared",
         Verdict::Differ => "Simulation and recording differ",
     };
     let over = html! { (comparison.simulation) " beside " (comparison.recording) };

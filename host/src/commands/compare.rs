@@ -69,6 +69,9 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         output::print("\nWhat the model lacks\n")?;
         diagnose::of_one(&args.run, model)?;
     }
+    if done.comparison.verdict == socam_compare::Verdict::NothingCompared {
+        return Ok(Outcome::NothingJudged);
+    }
     Ok(Outcome::on([&recording, &simulation]))
 }
 

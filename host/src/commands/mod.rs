@@ -43,6 +43,8 @@ pub(crate) enum Outcome {
     Done,
     /// Done, but samples were lost, or a recording is damaged or cut off.
     LostSamples,
+    /// Done, but nothing could be judged: no channel in common, or no block like those of the baseline.
+    NothingJudged,
 }
 
 impl Outcome {
@@ -57,6 +59,7 @@ impl From<Outcome> for ExitCode {
         match outcome {
             Outcome::Done => Self::SUCCESS,
             Outcome::LostSamples => Self::from(3),
+            Outcome::NothingJudged => Self::FAILURE,
         }
     }
 }

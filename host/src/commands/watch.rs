@@ -1,7 +1,7 @@
 //! `watch`: monitors recordings against a model and raises alarms.
 
 use socam_job::{Grid, ModelSettings, Watch};
-use socam_monitoring::{Document, Event, Watched};
+use socam_monitoring::{Document, Event, RecordingVerdict, Watched};
 use socam_recording::Dataset;
 
 use super::Outcome;
@@ -52,6 +52,9 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         }
         recordings.push(watched);
     }
+    if recordings.iter().any(|watched| watched.verdict == RecordingVerdict::NotJudged) {
+        outcome = Outcome::NothingJudged;
+    }
     if args.json {
         output::print_json(&Document::new(&model.name, recordings))?;
     }
@@ -62,6 +65,7 @@ fn text(watched: &Watched, data: &Dataset, events: &[Event]) -> String {
     let length_s = data.end_s() - data.start_s();
     let count = match (&watched.baseline, watched.alarms.len()) {
         (None, _) => "too short to learn what is healthy: give --baseline, or a shorter --learn".to_owned(),
+        (_, 0) if watched.verdict == RecordingVerdict::NotJudged => "nothing was judged".to_owned(),
         (_, 0) => "no alarm".to_owned(),
         (_, 1) => "1 alarm".to_owned(),
         (_, many) => format!("{many} alarms"),

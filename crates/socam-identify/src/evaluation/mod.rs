@@ -96,6 +96,6 @@ pub(crate) fn run_below(
 }
 
 /// Whether no force law depends on the motion.
-fn is_linear(equations: &Equations) -> bool {
+pub(crate) fn is_linear(equations: &Equations) -> bool {
     equations.ports.iter().all(socam_model::Port::is_constant)
 }

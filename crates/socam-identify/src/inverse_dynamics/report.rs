@@ -61,6 +61,8 @@ impl Regression {
             combinations: Vec::new(),
             nuisance: Vec::new(),
             fit,
+            between: Vec::new(),
+            verdict: None,
             left_out: Vec::new(),
             input_noise_std: Vec::new(),
             advice: Vec::new(),

@@ -12,10 +12,14 @@ const DIFFERENCES: usize = 8;
 const DIFFERENCED: f64 = 12_870.0;
 /// Rows of a window over which squared differences are averaged.
 const WINDOW: usize = 64;
-/// Safety factor on the bound of an input: the median of the windows lies below their mean, and both have an error.
-const MARGIN: f64 = 1.1;
+/// Quantile of the windows that bounds the noise of an input: noise is in all of them, steps and bursts of the signal are not.
+const QUIET: f64 = 0.2;
+/// Safety factor on the bound of an input: quiet windows lie below the mean of all, and each has an error.
+const MARGIN: f64 = 1.4;
+/// Share of the steps from row to row without any change from which an input is a command, which has no noise.
+const REPEATED: f64 = 0.5;
 /// Safety factor on the bound of an output, whose noise may be coloured and smaller at the highest frequencies.
-const COLOURED: f64 = 3.0;
+pub(crate) const COLOURED: f64 = 3.0;
 /// An output is taken to be low-pass filtered, and its noise to be unbounded, if its highest frequencies have less than [`FILTERED`] of
 /// its standard deviation and less than [`STEEP`] of the next lower frequencies.
 const FILTERED: f64 = 1e-4;
@@ -30,7 +34,7 @@ pub(crate) fn is_measured(channel: &Channel) -> bool {
 }
 
 /// Upper bound on the standard deviation of each channel's noise, SI: its highest frequencies, taken as noise alone. It is zero for an
-/// input that is not measured, and the model file's value for an input of known noise. The part of an output's residual beyond the bound is
+/// input that is not measured or is a command, and the model file's value for an input of known noise. The part of an output's residual beyond the bound is
 /// misfit; counted as noise it would give that output too little weight, and noisy inputs too much.
 pub(crate) fn most(problem: &Problem<'_>) -> Result<NoiseLevels, IdentifyError> {
     let inputs = problem.model.inputs().count();
@@ -51,9 +55,13 @@ pub(crate) fn most(problem: &Problem<'_>) -> Result<NoiseLevels, IdentifyError> 
         })?;
     }
     let outputs = windows.split_off(inputs);
-    let inputs = windows.into_iter().zip(problem.model.inputs()).map(|(windows, channel)| {
-        let held = || MARGIN * quantile(windows.iter().map(|window| window.fast), 0.5);
-        if is_measured(channel) { channel.noise_std.unwrap_or_else(held) } else { 0.0 }
+    let inputs = windows.into_iter().zip(problem.model.inputs()).zip(&problem.intersample);
+    let inputs = inputs.map(|((windows, channel), kind)| {
+        let repeated = windows.iter().map(|window| window.repeated).sum::<f64>();
+        let is_command = *kind == Intersample::Hold || repeated > REPEATED * windows.len() as f64;
+        let bound = MARGIN * quantile(windows.iter().map(|window| window.fast), QUIET);
+        let open = if is_command { 0.0 } else { bound };
+        if is_measured(channel) { channel.noise_std.unwrap_or(open) } else { 0.0 }
     });
     Ok(NoiseLevels {
         outputs: outputs.iter().map(|windows| most_of_output(windows)).collect(),
@@ -87,6 +95,8 @@ struct Sizes {
     slower: f64,
     mean: f64,
     variance: f64,
+    /// Share of the steps from value to value without any change.
+    repeated: f64,
 }
 
 impl Sizes {
@@ -94,7 +104,10 @@ impl Sizes {
         let every_other: Vec<f64> = window.iter().copied().step_by(2).collect();
         let mean = window.iter().sum::<f64>() / window.len() as f64;
         let variance = window.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / window.len() as f64;
-        Self { fast: parts * differenced(window), slower: parts * differenced(&every_other), mean, variance }
+        let repeated =
+            window.windows(2).filter(|pair| pair[0] == pair[1]).count() as f64 / (window.len() - 1) as f64;
+        let (fast, slower) = (parts * differenced(window), parts * differenced(&every_other));
+        Self { fast, slower, mean, variance, repeated }
     }
 }
 

@@ -69,6 +69,9 @@ pub(crate) struct Descent {
     pub(crate) cost: f64,
     pub(crate) iterations: usize,
     pub(crate) end: End,
+    /// How many times larger the residuals of a free run became than at a point on the way, where weights by noise of the inputs led away from
+    /// the data.
+    pub(crate) left_the_data: Option<f64>,
 }
 
 impl Descent {
@@ -80,6 +83,13 @@ impl Descent {
 
     pub(crate) fn channels(&self) -> Vec<ChannelSums> {
         channel_sums(&self.evaluated)
+    }
+
+    /// Misfit of a free run: squared residuals of each output in units of its variance, summed over the outputs.
+    pub(crate) fn free_run(&self) -> f64 {
+        let channels = self.channels();
+        let moving = channels.iter().filter(|channel| channel.count > 0.0 && channel.spread() > 0.0);
+        moving.map(|channel| (channel.rms() / channel.spread()).powi(2)).sum()
     }
 
     /// Unit of a predicted decrease: the reduced chi-square, at least 1. If the model does not fit, a step may gain more by chance.
@@ -132,7 +142,15 @@ pub(crate) fn descend(
         return Err(IdentifyError::Diverged { model: problem.model.name.clone() });
     };
     let cost = total_cost(problem, &point, &weights, &evaluated);
-    let mut at = Descent { point, weights, evaluated, cost, iterations: 0, end: End::IterationLimit };
+    let mut at = Descent {
+        point,
+        weights,
+        evaluated,
+        cost,
+        iterations: 0,
+        end: End::IterationLimit,
+        left_the_data: None,
+    };
     let mut damping = Damping { value: 1e-3, growth: 2.0, refused: 0 };
     let mut factor = at.factor(problem);
     let mut costs = vec![at.cost];

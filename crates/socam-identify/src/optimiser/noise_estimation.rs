@@ -18,6 +18,12 @@ const NOISE_SETTLED: f64 = 0.01;
 /// Relative change of the noise levels below which descents get their fine tolerance.
 const NOISE_NEAR: f64 = 0.1;
 
+/// Ratio of the squared residuals of a free run to the least ones on the way above which a fit has left the data.
+const LEFT_THE_DATA: f64 = 1.5;
+
+/// Misfit of a free run below which residuals are rounding.
+const PERFECT: f64 = 1e-10;
+
 /// Largest number of re-estimations of the noise levels.
 const MOST_ROUNDS: usize = 6;
 
@@ -67,6 +73,7 @@ pub(crate) fn iterated_gls(problem: &Problem<'_>, point: Point) -> Result<Descen
         descend(problem, point, weights, COARSE_TOLERANCE, problem.options.max_iterations, first)?;
     let mut iterations = descent.iterations;
     let mut fine = false;
+    let mut nearest = Nearest::of(&descent);
     for round in 1..=MOST_ROUNDS {
         // An interrupted search may end once the noise has been estimated.
         if round > 1 && descent.end == End::Interrupted {
@@ -95,9 +102,44 @@ pub(crate) fn iterated_gls(problem: &Problem<'_>, point: Point) -> Result<Descen
         let stage = Stage::Descent { round: round + 1 };
         descent = descend(problem, descent.point, weights, tolerance, problem.options.max_iterations, stage)?;
         iterations += descent.iterations;
+        let away = descent.free_run() / nearest.free_run;
+        if away > LEFT_THE_DATA && descent.free_run() > PERFECT {
+            if are_open(problem) {
+                let exact = Weights::white(nearest.rms, factors::scales(problem, &nearest.point.values));
+                let most = problem.options.max_iterations;
+                descent = descend(problem, nearest.point, exact, TOLERANCE, most, stage)?;
+                iterations += descent.iterations;
+            }
+            descent.left_the_data = Some(away.sqrt());
+            break;
+        }
+        if away < 1.0 {
+            nearest = Nearest::of(&descent);
+        }
     }
     descent.iterations = iterations;
     Ok(descent)
+}
+
+/// The visited point with the least residuals of a free run.
+struct Nearest {
+    free_run: f64,
+    point: Point,
+    /// Root mean square of each output's residuals there.
+    rms: Vec<f64>,
+}
+
+impl Nearest {
+    fn of(descent: &Descent) -> Self {
+        let rms = descent.channels().iter().map(|channel| floor(channel.rms(), channel)).collect();
+        Self { free_run: descent.free_run(), point: descent.point.clone(), rms }
+    }
+}
+
+/// Whether the noise of at least one input is estimated.
+fn are_open(problem: &Problem<'_>) -> bool {
+    problem.options.noise == Noise::Estimated
+        && problem.model.inputs().any(|input| input_noise::is_measured(input) && input.noise_std.is_none())
 }
 
 /// Noise levels estimated from the residuals of a descent.

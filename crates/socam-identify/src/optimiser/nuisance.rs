@@ -10,7 +10,7 @@ use crate::{
     },
     prediction::modal::offset_channels,
     preprocessing::segments::Segment,
-    problem::Problem,
+    problem::{Problem, StartState},
 };
 
 /// Largest number of steps.
@@ -18,6 +18,9 @@ const MOST_START_STEPS: usize = 20;
 
 /// Share of the sum of squares below which the decrease by a step, or the predicted one in each segment, ends the fit.
 const SETTLED: f64 = 1e-9;
+
+/// Rows of the heads of each segment to which the start states of a model with force laws are fitted, one after the other.
+const HEADS: [u64; 3] = [32, 128, 512];
 
 /// Smallest share of a step that is tried.
 const LEAST_SHARE: f64 = 1e-2;
@@ -62,6 +65,32 @@ pub fn start_states(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Local>,
     Ok(problem.segments.iter().zip(fitted).map(local).collect())
 }
 
+/// First nuisance parameters by segment: start states from the first samples, offsets zero.
+///
+/// The start states of a model with force laws are then fitted to longer and longer heads of their segment. A recording that begins in the
+/// middle of a swing does not show its speed in the first sample, and a fit of the whole segment from a wrong one drags the parameters away.
+/// A short head shows it whatever the parameters are.
+pub(crate) fn first(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Vec<f64>>, IdentifyError> {
+    let mut point = Point { values: values.to_vec(), nuisance: evaluation::first_nuisance(problem, values)? };
+    let is_given = problem.options.start_state != StartState::Free;
+    if is_given || evaluation::is_linear(&problem.model.equations(values)?) {
+        return Ok(point.nuisance);
+    }
+    for rows in HEADS {
+        let heads = Problem::of_segments(
+            (problem.model, problem.datasets),
+            Vec::new(),
+            problem.segments.iter().map(|segment| segment.head(rows)).collect(),
+            problem.options.clone(),
+            problem.intersample.clone(),
+        );
+        let Ok(weights) = first_weights(&heads, &point) else { break };
+        let Some(fitted) = with_nuisance_fitted(&heads, point.clone(), weights)? else { break };
+        point.nuisance = fitted.point.nuisance;
+    }
+    Ok(point.nuisance)
+}
+
 /// Nuisance parameters fitted at given parameter values, by segment.
 pub(crate) fn fitted_nuisance(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Vec<f64>>, IdentifyError> {
     Ok(with_nuisance(problem, values)?.point.nuisance)
@@ -70,7 +99,7 @@ pub(crate) fn fitted_nuisance(problem: &Problem<'_>, values: &[f64]) -> Result<V
 /// A model at given parameter values with fitted nuisance parameters, under first noise levels.
 pub(crate) fn with_nuisance(problem: &Problem<'_>, values: &[f64]) -> Result<Descent, IdentifyError> {
     let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
-    let point = Point { values: values.to_vec(), nuisance: evaluation::first_nuisance(problem, values)? };
+    let point = Point { values: values.to_vec(), nuisance: first(problem, values)? };
     let weights = first_weights(problem, &point)?;
     with_nuisance_fitted(problem, point, weights)?.ok_or_else(diverged)
 }
@@ -82,8 +111,15 @@ pub(crate) fn with_nuisance_fitted(
     weights: Weights,
 ) -> Result<Option<Descent>, IdentifyError> {
     let Some(evaluated) = evaluation::run(problem, &point, &weights)? else { return Ok(None) };
-    let mut at =
-        Descent { cost: squares(&evaluated), point, weights, evaluated, iterations: 0, end: End::Converged };
+    let mut at = Descent {
+        cost: squares(&evaluated),
+        point,
+        weights,
+        evaluated,
+        iterations: 0,
+        end: End::Converged,
+        left_the_data: None,
+    };
     refit(problem, &mut at)?;
     Ok(Some(at))
 }

@@ -7,6 +7,7 @@ use crate::{
     noise::levels,
     optimiser::{
         descent::{Descent, End},
+        intersamples,
         noise_estimation::iterated_gls,
         nuisance::{with_nuisance, with_nuisance_fitted},
         starts::best_start,
@@ -54,8 +55,9 @@ pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyErr
     let clock = report::CpuClock::start();
     let mut starts = Vec::new();
     let start = best_start(problem, &mut starts)?;
-    let mut descent = iterated_gls(problem, start)?;
     let mut cleaned = problem.clone();
+    let descent = iterated_gls(&cleaned, start)?;
+    let mut descent = intersamples::settled(&mut cleaned, descent)?;
     for _ in 0..MOST_CLEANINGS {
         if descent.end == End::Interrupted
             || !outliers::leave_out(&mut cleaned, &descent.point, &descent.weights)?

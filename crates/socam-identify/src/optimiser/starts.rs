@@ -8,12 +8,13 @@ use rayon::prelude::*;
 
 use crate::{
     IdentifyError,
-    evaluation::{self, ChannelSums, Point, Weights},
+    evaluation::{ChannelSums, Point, Weights},
     noise::input_noise,
     optimiser::{
         descent::{COARSE_TOLERANCE, Descent, End, descend},
         factors::scales,
         noise_estimation::first_weights,
+        nuisance,
     },
     problem::{Noise, Problem},
     progress::Stage,
@@ -41,31 +42,32 @@ pub(crate) fn best_start(
 ) -> Result<Point, IdentifyError> {
     let first = problem.model.values();
     let with_nuisance = |values: Vec<f64>| -> Result<Point, IdentifyError> {
-        let nuisance = evaluation::first_nuisance(problem, &values)?;
+        let nuisance = nuisance::first(problem, &values)?;
         Ok(Point { values, nuisance })
     };
     if problem.options.starts <= 1 {
         return with_nuisance(first);
     }
-    let runs = problem.segments.iter().filter(|segment| segment.starts_uninterrupted());
+    let uninterrupted = |index: &usize| problem.segments[*index].starts_uninterrupted();
+    let runs: Vec<usize> = (0..problem.segments.len()).filter(uninterrupted).take(START_SEGMENTS).collect();
     let short = Problem::of_segments(
         (problem.model, problem.datasets),
         problem.free.clone(),
-        runs.take(START_SEGMENTS).map(|segment| head(segment, START_ROWS)).collect(),
+        runs.iter().map(|index| problem.segments[*index].head(START_ROWS)).collect(),
         problem.options.clone(),
         problem.intersample.clone(),
     );
     let mut random = ChaCha8Rng::seed_from_u64(problem.options.seed);
     let candidates = (0..problem.options.starts)
         .map(|index| if index == 0 { first.clone() } else { spread(problem, &first, &mut random) });
-    let base = Point { values: first.clone(), nuisance: evaluation::first_nuisance(&short, &first)? };
+    let base = Point { values: first.clone(), nuisance: nuisance::first(&short, &first)? };
     let weights = first_weights(&short, &base)?;
     let one = |(index, values): (usize, Vec<f64>)| {
         if index > 0 && problem.options.progress.stops() {
             return None;
         }
         let stage = Stage::Start { number: index + 1, of: problem.options.starts };
-        let nuisance = evaluation::first_nuisance(&short, &values).ok()?;
+        let nuisance = nuisance::first(&short, &values).ok()?;
         let weights = Weights { scales: scales(&short, &values), ..weights.clone() };
         descend(&short, Point { values, nuisance }, weights, COARSE_TOLERANCE, 15, stage).ok()
     };
@@ -75,14 +77,18 @@ pub(crate) fn best_start(
         Some(own) if leaves_noise(&short, own)? => Vec::new(),
         _ => candidates.collect::<Vec<_>>().into_par_iter().map(one).collect(),
     };
-    let mut best: Option<(f64, Vec<f64>)> = None;
+    let mut best: Option<(f64, Point)> = None;
     for descent in std::iter::once(own).chain(rest).flatten() {
         starts.push(StartResult { cost: descent.cost });
         if best.as_ref().is_none_or(|(cost, _)| descent.cost < *cost) {
-            best = Some((descent.cost, descent.point.values));
+            best = Some((descent.cost, descent.point));
         }
     }
-    with_nuisance(best.map_or(first, |(_, values)| values))
+    let Some((_, best)) = best else { return with_nuisance(first) };
+    let mut point = with_nuisance(best.values)?;
+    // Start states belong to the parameters with which they were fitted.
+    runs.into_iter().zip(best.nuisance).for_each(|(index, own)| point.nuisance[index] = own);
+    Ok(point)
 }
 
 /// Whether a descent converged to a fit whose residuals can be noise in every channel.
@@ -98,13 +104,6 @@ fn leaves_noise(problem: &Problem<'_>, descent: &Descent) -> Result<bool, Identi
     let channels = descent.channels();
     let noise = |(channel, most): (&ChannelSums, &f64)| most.is_finite() && channel.rms() <= *most;
     Ok(descent.end == End::Converged && channels.iter().zip(&most).all(noise))
-}
-
-pub(crate) fn head(
-    segment: &crate::preprocessing::segments::Segment,
-    rows: u64,
-) -> crate::preprocessing::segments::Segment {
-    crate::preprocessing::segments::Segment { rows: segment.rows.min(rows), ..segment.clone() }
 }
 
 /// Random values: factors of 1/3 to 3 on parameters that cannot change sign, within bounds.

@@ -32,6 +32,11 @@ pub(crate) struct Segment {
 }
 
 impl Segment {
+    /// The first `rows` rows of the segment.
+    pub(crate) fn head(&self, rows: u64) -> Self {
+        Self { rows: self.rows.min(rows), ..self.clone() }
+    }
+
     /// Whether the segment is the first part of its uninterrupted rows.
     pub(crate) fn starts_uninterrupted(&self) -> bool {
         self.first_row == self.uninterrupted.start

@@ -2,7 +2,11 @@
 
 use serde::Serialize;
 
-use crate::{optimiser::descent::End, preprocessing::mask::LeftOut};
+use crate::{
+    optimiser::{descent::End, intersamples::Between},
+    preprocessing::mask::LeftOut,
+    report::verdict::Verdict,
+};
 
 /// Version of [`Identification`]'s JSON form.
 pub const SCHEMA: &str = "socam.identification/1";
@@ -119,10 +123,15 @@ pub struct Identification {
     pub nuisance: Vec<ParameterEstimate>,
     /// Fit of the model to the recordings.
     pub fit: Fit,
+    /// Whether the model explains the recordings, in units of the sensors' noise; `None` for inverse dynamics.
+    pub verdict: Option<Verdict>,
     /// Noise levels of the inputs that were used, SI, by channel name; zero where an input was taken as exact; empty for inverse
     /// dynamics.
     #[serde(serialize_with = "as_map")]
     pub input_noise_std: Vec<(String, f64)>,
+    /// Behaviour of the inputs between their samples, by channel name; empty for inverse dynamics.
+    #[serde(serialize_with = "as_map")]
+    pub between: Vec<(String, Between)>,
     /// Samples that were not used as measured.
     pub left_out: Vec<LeftOut>,
     /// Advice for quantities that are not determined: sensors and experiments that would determine them.

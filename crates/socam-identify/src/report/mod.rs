@@ -6,6 +6,7 @@ mod identification;
 mod intersample_check;
 mod model_text;
 mod offsets;
+mod verdict;
 mod warnings;
 
 pub(crate) use estimates::predicted;
@@ -13,6 +14,7 @@ pub(crate) use identification::as_map;
 pub use identification::{
     ChannelFit, CombinationEstimate, Fit, Identification, ParameterEstimate, SCHEMA, Source,
 };
+pub use verdict::{Explained, Verdict};
 
 use socam_model::Model;
 
@@ -30,7 +32,7 @@ use crate::{
     report::{
         estimates::{combinations, exchangeable, parameter_estimates},
         offsets::offsets,
-        warnings::{dead_channels, starts_warning, unexplained, unresolved},
+        warnings::{dead_channels, left_the_data, starts_warning, unresolved},
     },
     uncertainty::covariance::Uncertainty,
 };
@@ -72,10 +74,17 @@ pub(crate) fn identification(
     warnings.extend(problem.left_out.iter().map(LeftOut::sentence));
     warnings.extend(problem.misfits.iter().cloned());
     warnings.extend(dead_channels(problem.model, &channels));
-    let unexplained = unexplained(problem, &channels, &weights.noise_std)?;
+    let fit = fit(problem.model, &channels, &weights.noise_std);
+    let verdict = Verdict::new(problem, &channels, results)?;
+    let unexplained = verdict.warning(&fit.channels);
     // Further recordings would not help a model that does not explain these.
-    let advice = if unexplained.is_some() { Vec::new() } else { advice::advice(problem.model, &parameters) };
+    let advice = if verdict.explained == Explained::No {
+        Vec::new()
+    } else {
+        advice::advice(problem.model, &parameters)
+    };
     warnings.extend(unexplained);
+    warnings.extend(descent.left_the_data.map(left_the_data));
     warnings.extend(unresolved(results));
     if let Some(warning) = starts_warning(starts) {
         warnings.push(warning);
@@ -96,8 +105,15 @@ pub(crate) fn identification(
         parameters,
         combinations: combinations(problem, &descent.point.values, &uncertainty),
         nuisance: offsets(problem, &descent.point.nuisance, results, &uncertainty, &weights.scales),
-        fit: fit(problem.model, &channels, &weights.noise_std),
+        fit,
+        verdict: Some(verdict),
         input_noise_std: input_noise_std(problem.model, &weights.input_std),
+        between: problem
+            .model
+            .inputs()
+            .map(|input| input.name.clone())
+            .zip(problem.between.clone())
+            .collect(),
         left_out: problem.left_out.clone(),
         advice,
         warnings,

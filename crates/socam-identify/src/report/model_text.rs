@@ -1,11 +1,27 @@
 //! The model file with the identified values.
 
-use socam_model::{Model, ModelError, Update};
+use socam_model::{Channel, Model, ModelError, Update};
 
-use crate::{End, Identification, Source};
+use crate::{BetweenSource, End, Identification, Source};
 
 impl Identification {
-    /// The text of `model`'s file with the identified values, their intervals and sources. Fixed parameters are unchanged.
+    /// States in `model` how its inputs behave between their samples, where the recordings decided against what is usual.
+    ///
+    /// # Errors
+    /// [`ModelError::File`] where [`Model::text`] has not these inputs.
+    pub fn state_between(&self, model: &mut Model) -> Result<(), ModelError> {
+        for (input, between) in self.between.iter().filter(|(_, one)| one.source == BetweenSource::Data) {
+            let is_other =
+                |channel: &&Channel| channel.name == *input && channel.intersample() != between.kind;
+            if model.inputs().find(is_other).is_some() {
+                model.set_intersample(input, Some(between.kind))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The text of `model`'s file with the identified values, their intervals and sources, and with `between` of the inputs for which the
+    /// recordings decided. Fixed parameters are unchanged.
     ///
     /// # Errors
     /// [`ModelError::File`] where [`Model::text`] is not TOML.
@@ -30,6 +46,8 @@ impl Identification {
                 },
             })
             .collect();
+        let mut model = model.clone();
+        self.state_between(&mut model)?;
         model.text_with(&updates)
     }
 }

@@ -3,18 +3,9 @@
 use socam_model::Model;
 
 use crate::{
-    IdentifyError,
     evaluation::{ChannelSums, SegmentEvaluation},
-    noise::input_noise,
     optimiser::starts::StartResult,
-    problem::Problem,
 };
-
-/// Ratio of residual to noise above which a channel is not explained, if [`UNEXPLAINED_SHARE`] is exceeded too.
-const UNEXPLAINED_NOISE: f64 = 10.0;
-
-/// See [`UNEXPLAINED_NOISE`]: ratio of residual to standard deviation of the channel.
-const UNEXPLAINED_SHARE: f64 = 0.2;
 
 /// Share of samples with unresolved steps above which there is a warning.
 const MOST_UNRESOLVED: f64 = 1e-4;
@@ -34,33 +25,6 @@ pub(crate) fn dead_channels(model: &Model, channels: &[ChannelSums]) -> Vec<Stri
     dead.collect()
 }
 
-/// Warning about channels that the model does not explain.
-pub(crate) fn unexplained(
-    problem: &Problem<'_>,
-    channels: &[ChannelSums],
-    noise_std: &[f64],
-) -> Result<Option<String>, IdentifyError> {
-    let most = input_noise::most(problem)?.outputs;
-    let each = problem.model.outputs().zip(channels).zip(noise_std.iter().zip(most));
-    let missed = each.filter_map(|((channel, sums), (noise_std, most))| {
-        let noise_std = channel.noise_std.unwrap_or_else(|| noise_std.min(most));
-        let left = sums.count > 0.0
-            && sums.rms() > UNEXPLAINED_NOISE * noise_std
-            && sums.rms() > UNEXPLAINED_SHARE * sums.spread();
-        left.then(|| {
-            let unit = channel.unit;
-            format!("{:.3} {unit} rms of {} beside noise of {noise_std:.2} {unit}", sums.rms(), channel.name)
-        })
-    });
-    let missed: Vec<String> = missed.collect();
-    Ok((!missed.is_empty()).then(|| {
-        format!(
-            "the model does not explain these recordings: it leaves {}; its parameters and their intervals mean little: `diagnose` says what it leaves out",
-            missed.join(", ")
-        )
-    }))
-}
-
 /// Warning about samples whose steps missed their tolerance.
 pub(crate) fn unresolved(results: &[SegmentEvaluation]) -> Option<String> {
     let missed: u64 = results.iter().map(|result| result.unresolved).sum();
@@ -71,6 +35,13 @@ pub(crate) fn unresolved(results: &[SegmentEvaluation]) -> Option<String> {
             100.0 * share
         )
     })
+}
+
+/// Warning about a fit that left the data when noise of the inputs was estimated.
+pub(crate) fn left_the_data(times: f64) -> String {
+    format!(
+        "with noise of the inputs the fit left the data: in free run its residuals were {times:.1} times larger than at a point on the way; inputs whose noise is not stated were taken as exact"
+    )
 }
 
 /// Warning about starts that ended in different minima.

@@ -21,6 +21,7 @@ pub(super) fn report(document: Document<'_>) -> String {
     text.push_str(&table::advice(result));
     text.push_str(&table::fit("Fit (free run)", &result.fit));
     text.push_str(&table::noise(result));
+    text.push_str(&table::between(result));
     for fitted in training {
         text.push_str(&format!(
             "\nFitted: {}\n  inverse dynamics: force error {:.3} % of its norm\n",

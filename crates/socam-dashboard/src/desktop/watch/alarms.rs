@@ -15,6 +15,9 @@ pub(super) fn state(ui: &mut Ui, overlay: &Overlay, name: &str) {
         Phase::Learning { collected_s, needed_s } => {
             (format!("learning what is usual: {collected_s:.1} of {needed_s:.0} s"), theme::weak(ui))
         }
+        Phase::Watching if overlay.judged == 0 && overlay.alarms.is_empty() => {
+            (format!("nothing of {name} was judged yet"), theme::weak(ui))
+        }
         Phase::Watching => (format!("{name} behaves as usual"), theme::good(ui)),
         Phase::Alarmed => (format!("{name} has changed"), theme::alarm(ui)),
     };

@@ -1,0 +1,230 @@
+//! Choice of the intersample behaviour of each input by the likelihood of the recordings.
+//!
+//! A drive that holds its command for a sample, read as linear, looks like a delay of half a sample; a measured motion read as held leaves
+//! residuals many times its sensor's noise. Neither may be left to the quantity's usual behaviour where the recordings tell.
+
+use serde::Serialize;
+use socam_model::{Channel, ChannelTransform, Intersample, Model, Quantity};
+use socam_recording::Dataset;
+
+use crate::{
+    IdentifyError, Options, Problem,
+    evaluation::{self, Point},
+    noise::innovations_filter::{InnovationsFilter, NoiseLevels},
+    optimiser::{
+        descent::{self, Descent, End},
+        factors,
+        noise_estimation::iterated_gls,
+        nuisance,
+        step::{constrained_step, predicted_gain},
+    },
+    problem::sample_times,
+    progress::Stage,
+};
+
+/// Difference of two deviances above which the recordings distinguish two assumptions.
+pub(crate) const TOLD_APART: f64 = 10.0;
+/// The linearised deviance decides alone where it exceeds [`TOLD_APART`] this many times.
+const CLEARLY: f64 = 10.0;
+/// Damping of the one step to the estimates under the other assumption.
+const DAMPING: f64 = 1e-9;
+/// Iterations of the descent that confirms it.
+const ITERATIONS: usize = 8;
+/// Tolerance of that descent.
+const TOLERANCE: f64 = 0.1;
+/// Most changes of one fit.
+const MOST_CHANGES: usize = 4;
+
+/// Source of an input's intersample behaviour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BetweenSource {
+    /// The model file or an option states it.
+    Stated,
+    /// The recordings decide for it: every other behaviour fits worse.
+    Data,
+    /// The recordings do not tell it from another one, and it is usual for the input's quantity.
+    Usual,
+}
+
+/// Behaviour of one input between its samples.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Between {
+    /// The behaviour taken.
+    pub kind: Intersample,
+    /// Its source.
+    pub source: BetweenSource,
+    /// The other behaviour that fits best; `None` where none was tried.
+    pub rival: Option<Intersample>,
+    /// Deviance of the rival minus that of the behaviour taken: -2 times the difference of the log-likelihoods, in units of the misfit.
+    pub rival_deviance: Option<f64>,
+}
+
+impl Between {
+    /// What the problem assumes of its inputs, before any recording was asked.
+    pub(crate) fn assumed(problem: &Problem<'_>) -> Vec<Self> {
+        let each = problem.model.inputs().zip(&problem.intersample);
+        each.map(|(channel, kind)| Self {
+            kind: *kind,
+            source: if is_open(problem, channel) { BetweenSource::Usual } else { BetweenSource::Stated },
+            rival: None,
+            rival_deviance: None,
+        })
+        .collect()
+    }
+}
+
+/// Whether neither the model file nor an option states the intersample behaviour of an input.
+pub(crate) fn is_open(problem: &Problem<'_>, channel: &Channel) -> bool {
+    problem.options.intersample.is_none() && channel.between.is_none()
+}
+
+/// Other intersample assumptions that are possible for a channel. A held angle would move in jumps.
+pub fn others(channel: &Channel, kind: Intersample) -> impl Iterator<Item = Intersample> {
+    let is_wave = matches!(channel.transform, ChannelTransform::Cos(_) | ChannelTransform::Sin(_));
+    let is_none = channel.quantity.is_clock() || is_wave;
+    let jumps = matches!(channel.quantity, Quantity::Angle | Quantity::Turned);
+    Intersample::ALL
+        .into_iter()
+        .filter(move |other| !is_none && *other != kind && !(jumps && *other == Intersample::Hold))
+}
+
+/// `model` with its inputs' behaviour between samples stated as it fits the recordings best at the model's values, for simulations and
+/// monitoring. What the file states, and what the recordings do not tell, stays as it is.
+///
+/// # Errors
+/// When a recording cannot be used, or the prediction overflows.
+///
+/// ```
+/// use socam_identify::{Options, settled_inputs};
+///
+/// # let (model, recordings) = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/bench.rs"));
+/// let settled = settled_inputs(&model, &recordings, Options::default())?;
+/// assert_eq!(settled.parameters, model.parameters);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn settled_inputs(model: &Model, datasets: &[Dataset], options: Options) -> Result<Model, IdentifyError> {
+    let mut problem = Problem::of_known(model, datasets, options)?;
+    let mut stated = model.clone();
+    if problem.model.inputs().any(|channel| is_open(&problem, channel)) {
+        let values = model.values();
+        let nuisance = nuisance::first(&problem, &values)?;
+        let descent = iterated_gls(&problem, Point { values, nuisance })?;
+        settled(&mut problem, descent)?;
+        let inputs = model.inputs().zip(&problem.between);
+        for (channel, between) in inputs.filter(|(channel, between)| channel.intersample() != between.kind) {
+            stated.set_intersample(&channel.name, Some(between.kind))?;
+        }
+    }
+    Ok(stated)
+}
+
+/// The problem and its fit under the intersample behaviour that fits the recordings best. Behaviours that are stated are kept.
+///
+/// One input changes at a time, the one that gains most. `descent` must be a fit of `problem`.
+pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Descent, IdentifyError> {
+    let mut descent = descent;
+    let mut between = Between::assumed(problem);
+    for round in 0..=MOST_CHANGES {
+        if descent.end == End::Interrupted {
+            break;
+        }
+        let mut best: Option<(usize, Alternative)> = None;
+        for (input, channel) in problem.model.inputs().enumerate() {
+            if !is_open(problem, channel) {
+                continue;
+            }
+            let mut rival: Option<Alternative> = None;
+            for other in others(channel, problem.intersample[input]) {
+                let tried = Alternative::new(problem, &descent, (input, other), CLEARLY * TOLD_APART)?;
+                rival = [rival, tried].into_iter().flatten().min_by(|a, b| a.deviance.total_cmp(&b.deviance));
+            }
+            let Some(rival) = rival else { continue };
+            between[input] = Between {
+                kind: problem.intersample[input],
+                source: if rival.deviance > TOLD_APART { BetweenSource::Data } else { BetweenSource::Usual },
+                rival: Some(rival.kind),
+                rival_deviance: Some(rival.deviance),
+            };
+            if best.as_ref().is_none_or(|(_, best)| rival.deviance < best.deviance) {
+                best = Some((input, rival));
+            }
+        }
+        match best {
+            Some((input, better)) if better.deviance < -TOLD_APART && round < MOST_CHANGES => {
+                let Some(point) = better.point else { break };
+                problem.intersample[input] = better.kind;
+                let before = descent.iterations;
+                descent = iterated_gls(problem, point)?;
+                descent.iterations += before;
+            }
+            _ => break,
+        }
+    }
+    problem.between = between;
+    Ok(descent)
+}
+
+/// A fit under an assumption that was not made.
+pub(crate) struct Alternative {
+    pub(crate) kind: Intersample,
+    /// Deviance under this assumption minus that under the assumption made.
+    pub(crate) deviance: f64,
+    /// Its fit; `None` where the linearised deviance decided.
+    pub(crate) point: Option<Point>,
+}
+
+impl Alternative {
+    /// Fits under the assumption that `input` behaves as `kind`. A linearised deviance above `most` decides alone. `None` where the
+    /// prediction overflows.
+    pub(crate) fn new(
+        problem: &Problem<'_>,
+        descent: &Descent,
+        (input, kind): (usize, Intersample),
+        most: f64,
+    ) -> Result<Option<Self>, IdentifyError> {
+        let mut other = problem.clone();
+        other.intersample[input] = kind;
+        let weights = &descent.weights;
+        let Some(evaluated) = evaluation::run(&other, &descent.point, weights)? else { return Ok(None) };
+        let factor = factors::global_factor(&other, &descent.point, weights, &evaluated);
+        let step = constrained_step(&other, &descent.point, weights, factor.as_ref(), DAMPING);
+        let Some(step) = step else { return Ok(None) };
+        let unit = descent.misfit().max(1.0);
+        let nuisance: f64 = evaluated.iter().map(nuisance::predicted_decrease).sum();
+        let levels = weights.levels();
+        let sizes = log_determinant(&other, &descent.point, &levels)
+            - log_determinant(problem, &descent.point, &levels);
+        let own = evaluation::squares(&descent.evaluated);
+        let predicted = evaluation::squares(&evaluated) - nuisance - predicted_gain(factor.as_ref(), &step);
+        let deviance = (predicted - own) / unit + sizes;
+        if deviance > most {
+            return Ok(Some(Self { kind, deviance, point: None }));
+        }
+        let (point, weights) = (descent.point.clone(), weights.clone());
+        let found =
+            descent::descend(&other, point, weights, TOLERANCE, ITERATIONS, Stage::Descent { round: 1 })?;
+        let deviance = (evaluation::squares(&found.evaluated) - own) / unit + sizes;
+        Ok(Some(Self { kind, deviance, point: Some(found.point) }))
+    }
+}
+
+/// Logarithm of the determinant of the residuals' covariance, over all samples; zero where no input is noisy.
+fn log_determinant(problem: &Problem<'_>, point: &Point, levels: &NoiseLevels) -> f64 {
+    if !levels.in_the_input() {
+        return 0.0;
+    }
+    let Ok(equations) = problem.model.equations(&point.values) else { return 0.0 };
+    let of_sample = |time_s: &f64| {
+        let filter =
+            InnovationsFilter::new(&equations, levels, &levels.outputs, *time_s, &problem.intersample)?;
+        let samples: u64 = problem
+            .segments
+            .iter()
+            .filter(|segment| segment.sample_time_s == *time_s)
+            .map(|segment| segment.rows)
+            .sum();
+        Some(samples as f64 * filter.covariance.determinant().ln())
+    };
+    sample_times(problem).iter().filter_map(of_sample).sum()
+}

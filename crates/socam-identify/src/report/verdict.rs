@@ -1,0 +1,129 @@
+//! Whether a fitted model explains its recordings, in units of the sensors' noise.
+
+use serde::Serialize;
+use socam_model::Channel;
+
+use crate::{
+    IdentifyError,
+    evaluation::{ChannelSums, SegmentEvaluation},
+    noise::input_noise,
+    problem::Problem,
+};
+
+/// Ratio of residual to noise up to which a channel is explained, if its noise is stated, and if it is estimated from the fastest content of
+/// the channel, which may hold less than coloured noise has.
+const EXPLAINED: [f64; 2] = [1.5, 3.0];
+/// Ratio of residual to noise, and to the channel's standard deviation, above which a channel is not explained.
+const NOT_EXPLAINED: [f64; 2] = [10.0, 0.2];
+
+/// Whether a model explains recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Explained {
+    /// No output is left by more than its sensor's noise.
+    Yes,
+    /// Most of each output, but at least one is left by several times its noise: intervals hold scatter, not what the model lacks.
+    InPart,
+    /// An output is left by many times its noise and a fifth of its standard deviation.
+    No,
+    /// No output has a noise level to compare with: all are filtered.
+    NotJudged,
+}
+
+/// The verdict on a fit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Whether the model explains the recordings.
+    pub explained: Explained,
+    /// The output that is left furthest beyond its noise; `None` where nothing was judged.
+    pub channel: Option<String>,
+    /// Its residual in units of its noise, root mean squares.
+    pub times_noise: Option<f64>,
+    /// Its noise, SI: stated, or from its fastest content.
+    pub noise_std: Option<f64>,
+    /// Its unit, SI.
+    pub unit: Option<&'static str>,
+    /// The recording in which that output is left most.
+    pub recording: Option<String>,
+}
+
+impl Verdict {
+    /// Judges all outputs; the worst one decides.
+    pub(crate) fn new(
+        problem: &Problem<'_>,
+        channels: &[ChannelSums],
+        results: &[SegmentEvaluation],
+    ) -> Result<Self, IdentifyError> {
+        let floors = input_noise::most(problem)?.outputs;
+        let mut worst: Option<(Explained, f64, usize, f64)> = None;
+        for (index, ((channel, sums), most)) in problem.model.outputs().zip(channels).zip(floors).enumerate()
+        {
+            let noise_std = channel.noise_std.unwrap_or(most / input_noise::COLOURED);
+            if sums.count == 0.0 || sums.spread() == 0.0 || !(noise_std.is_finite() && noise_std > 0.0) {
+                continue;
+            }
+            let times = sums.rms() / noise_std;
+            let own = (explained(channel, sums, times), times, index, noise_std);
+            if worst.is_none_or(|worst| (own.0, own.1) > (worst.0, worst.1)) {
+                worst = Some(own);
+            }
+        }
+        let Some((explained, times, index, noise_std)) = worst else {
+            let (channel, times_noise, noise_std, unit, recording) = (None, None, None, None, None);
+            return Ok(Self {
+                explained: Explained::NotJudged,
+                channel,
+                times_noise,
+                noise_std,
+                unit,
+                recording,
+            });
+        };
+        let segments = problem.segments.iter().zip(results);
+        let left = |(_, result): &(_, &SegmentEvaluation)| result.channels[index].rms();
+        let most = segments.max_by(|a, b| left(a).total_cmp(&left(b)));
+        Ok(Self {
+            explained,
+            channel: problem.model.outputs().nth(index).map(|channel| channel.name.clone()),
+            times_noise: Some(times),
+            noise_std: Some(noise_std),
+            unit: problem.model.outputs().nth(index).map(|channel| channel.unit),
+            recording: most.map(|(segment, _)| problem.datasets[segment.recording].name().to_owned()),
+        })
+    }
+
+    /// What a reader of the estimates should know; `None` where the model explains the recordings.
+    pub(crate) fn warning(&self, channels: &[(String, super::ChannelFit)]) -> Option<String> {
+        let (name, times, noise) = (self.channel.as_ref()?, self.times_noise?, self.noise_std?);
+        let (_, fit) = channels.iter().find(|(own, _)| own == name)?;
+        let (rms, unit, noise) = (digits(fit.rms), self.unit?, digits(noise));
+        let left = format!("{rms} {unit} rms of {name}, {} times its noise of {noise} {unit}", digits(times));
+        match self.explained {
+            Explained::Yes | Explained::NotJudged => None,
+            Explained::InPart => Some(format!(
+                "the model explains these recordings only in part: it leaves {left}; the intervals hold the scatter of the noise, not what the model lacks: `diagnose` says what that is"
+            )),
+            Explained::No => Some(format!(
+                "the model does not explain these recordings: it leaves {left}; its parameters and their intervals mean little: `diagnose` says what it leaves out"
+            )),
+        }
+    }
+}
+
+/// A number in three significant digits.
+fn digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+    if (1e-3..1e6).contains(&rounded.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
+}
+
+fn explained(channel: &Channel, sums: &ChannelSums, times: f64) -> Explained {
+    let [stated, estimated] = EXPLAINED;
+    let [times_noise, share] = NOT_EXPLAINED;
+    if times <= if channel.noise_std.is_some() { stated } else { estimated } {
+        Explained::Yes
+    } else if times > times_noise && sums.rms() > share * sums.spread() {
+        Explained::No
+    } else {
+        Explained::InPart
+    }
+}
