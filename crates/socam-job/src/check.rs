@@ -72,8 +72,8 @@ fn require_common_ground(data: &Dataset, model: &Model) -> Result<()> {
     let held: Vec<String> = data.channels().iter().map(Channel::column_name).collect();
     Err(JobError::OtherModel {
         problem: format!(
-            "`{}` has none of the channels that the model {} reads ({}); it has {}; name its model with --model, or its input with \
-             --input",
+            "`{}` has none of the channels that the model {} reads ({}); it has {}; choose its model (--model), or name its \
+             input (--input)",
             data.name(),
             model.name,
             read.join(", "),
