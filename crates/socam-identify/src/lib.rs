@@ -60,6 +60,7 @@
 //! ```
 
 mod band;
+mod between;
 pub mod comparison;
 mod error;
 mod evaluation;
@@ -80,12 +81,13 @@ mod validation;
 mod tests;
 
 pub use band::{Band, BandFit, evaluate_band};
+pub use between::{Between, BetweenSource};
 pub use error::IdentifyError;
 pub use inverse_dynamics::{force_error_percent, inverse_dynamics};
 pub use noise::innovations_filter::NoiseLevels;
 pub use optimiser::{
     descent::End,
-    intersamples::{Between, BetweenSource, others as other_intersamples, settled_inputs},
+    intersamples::{others as other_intersamples, settled_inputs},
     nuisance::{Local, start_states},
     output_error::{at_minimum, evaluate, output_error},
 };

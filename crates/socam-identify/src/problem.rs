@@ -5,8 +5,8 @@ use socam_recording::Dataset;
 
 use crate::{
     IdentifyError,
+    between::Between,
     noise::innovations_filter::NoiseLevels,
-    optimiser::intersamples::Between,
     prediction::start_state,
     preprocessing::{
         mask::LeftOut,
@@ -108,7 +108,7 @@ pub struct Problem<'a> {
     /// One per input.
     pub(crate) intersample: Vec<Intersample>,
     pub(crate) warnings: Vec<String>,
-    /// What is known of that, one per input.
+    /// What is known of that, one per input; empty before the recordings were asked.
     pub(crate) between: Vec<Between>,
     /// Samples that are not used as measured.
     pub(crate) left_out: Vec<LeftOut>,
@@ -211,7 +211,7 @@ impl<'a> Problem<'a> {
         let left_out = screening::find(&inputs, &outputs, datasets, &mut segments)?;
         let intersample =
             inputs.iter().map(|input| options.intersample.unwrap_or_else(|| input.intersample())).collect();
-        let mut problem = Self {
+        Ok(Self {
             model,
             datasets,
             free,
@@ -222,9 +222,7 @@ impl<'a> Problem<'a> {
             warnings,
             left_out,
             misfits: Vec::new(),
-        };
-        problem.between = Between::assumed(&problem);
-        Ok(problem)
+        })
     }
 
     /// A problem of given segments, which are neither searched nor checked.

@@ -122,8 +122,11 @@ fn a_torque_that_a_drive_holds_is_told_from_one_that_it_ramps() {
     let held = identify(&model("between = \"hold\"\n"), Intersample::Hold);
     assert!(worst(&held) < 1.5, "{:?}", held.parameters);
     assert_eq!(held.warnings, [""; 0]);
-    for wrong in ["", "between = \"band-limited\"\n"] {
-        let taken = identify(&model(wrong), Intersample::Hold);
+    let found = identify(&model(""), Intersample::Hold);
+    assert!(worst(&found) < 1.5, "{:?}", found.parameters);
+    assert_eq!(found.between[0].1.kind, Intersample::Hold);
+    for wrong in ["linear", "band-limited"] {
+        let taken = identify(&model(&format!("between = \"{wrong}\"\n")), Intersample::Hold);
         assert!(worst(&taken) > 2.0, "{:?}", taken.parameters);
         let told = taken.warnings.iter().find(|warning| warning.contains("fits the recordings better"));
         assert!(told.is_some(), "{:?}", taken.warnings);

@@ -62,7 +62,7 @@ pub struct Identify {
     #[arg(long, value_enum, default_value = "free")]
     #[serde(with = "notation::choice")]
     pub start: Start,
-    /// Known standard deviation of a channel's noise (SI); repeat it for every output channel and for noisy inputs
+    /// Known standard deviation of a channel's noise (SI); may be repeated. With a level for every output, inputs without one are exact; otherwise the other levels are estimated
     #[arg(long, value_name = "CHANNEL=STD")]
     #[serde(deserialize_with = "notation::texts")]
     pub noise: Vec<String>,
@@ -164,7 +164,7 @@ impl Identify {
             Some(calibration) => with_sensor_gains(&plain, &calibration)?,
             None => plain.clone(),
         };
-        Ok(Calibrated { model, plain, warnings })
+        Ok(Calibrated { model: self.with_stated_noise(model)?, plain, warnings })
     }
 
     /// Fits the model to recordings on the grid [`Fit`](crate::Grid::Fit), and predicts those that are held out.
@@ -207,7 +207,7 @@ impl Identify {
     /// The settings in the form of the library.
     ///
     /// # Errors
-    /// When a noise level is not a number, or not all outputs have one.
+    /// When a noise level is not a number, or its channel is unknown.
     pub fn options(&self, model: &Model) -> Result<Options> {
         Ok(Options {
             noise: self.noise_levels(model)?,
@@ -219,19 +219,34 @@ impl Identify {
         })
     }
 
+    /// The stated levels, where every output has one; otherwise they are the channels' own ([`Identify::calibrated`]), and the rest is estimated.
     fn noise_levels(&self, model: &Model) -> Result<Noise> {
-        if self.noise.is_empty() {
-            return Ok(Noise::Estimated);
-        }
-        let wrong = |problem: String| JobError::value("noise", "--noise", problem);
+        let stated = self.stated_noise()?;
+        let open = model.outputs().filter(|output| !stated.iter().any(|(name, _)| *name == output.name));
+        let open: Vec<(String, f64)> = open.map(|output| (output.name.clone(), 1.0)).collect();
+        let levels = NoiseLevels::by_name(model, &[&stated[..], &open[..]].concat());
+        let levels = levels.map_err(|error| JobError::value("noise", "--noise", format!(": {error}")))?;
+        Ok(if open.is_empty() && !stated.is_empty() { Noise::Given(levels) } else { Noise::Estimated })
+    }
+
+    /// The stated levels by channel name.
+    fn stated_noise(&self) -> Result<Vec<(String, f64)>> {
         let level = |text: &String| {
             let level =
                 text.split_once('=').and_then(|(name, std)| Some((name.to_owned(), std.parse().ok()?)));
-            level.ok_or_else(|| wrong(format!(" {text}: expected CHANNEL=STD")))
+            level.ok_or_else(|| JobError::value("noise", "--noise", format!(" {text}: expected CHANNEL=STD")))
         };
-        let levels = self.noise.iter().map(level).collect::<Result<Vec<_>>>()?;
-        let levels = NoiseLevels::by_name(model, &levels);
-        levels.map(Noise::Given).map_err(|error| wrong(format!(": {error}")))
+        self.noise.iter().map(level).collect()
+    }
+
+    /// The model with the stated noise of its channels.
+    fn with_stated_noise(&self, mut model: Model) -> Result<Model> {
+        self.noise_levels(&model)?;
+        for (name, std) in self.stated_noise()? {
+            let own = model.channels.iter_mut().filter(|channel| channel.name == name);
+            own.for_each(|channel| channel.noise_std = Some(std));
+        }
+        Ok(model)
     }
 }
 

@@ -3,18 +3,18 @@
 //! A drive that holds its command for a sample, read as linear, looks like a delay of half a sample; a measured motion read as held leaves
 //! residuals many times its sensor's noise. Neither may be left to the quantity's usual behaviour where the recordings tell.
 
-use serde::Serialize;
 use socam_model::{Channel, ChannelTransform, Intersample, Model, Quantity};
 use socam_recording::Dataset;
 
 use crate::{
     IdentifyError, Options, Problem,
-    evaluation::{self, Point},
+    between::{Between, BetweenSource},
+    evaluation::{self, Point, Weights},
     noise::innovations_filter::{InnovationsFilter, NoiseLevels},
     optimiser::{
         descent::{self, Descent, End},
         factors,
-        noise_estimation::iterated_gls,
+        noise_estimation::{first_weights, iterated_gls},
         nuisance,
         step::{constrained_step, predicted_gain},
     },
@@ -35,43 +35,16 @@ const TOLERANCE: f64 = 0.1;
 /// Most changes of one fit.
 const MOST_CHANGES: usize = 4;
 
-/// Source of an input's intersample behaviour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum BetweenSource {
-    /// The model file or an option states it.
-    Stated,
-    /// The recordings decide for it: every other behaviour fits worse.
-    Data,
-    /// The recordings do not tell it from another one, and it is usual for the input's quantity.
-    Usual,
-}
-
-/// Behaviour of one input between its samples.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Between {
-    /// The behaviour taken.
-    pub kind: Intersample,
-    /// Its source.
-    pub source: BetweenSource,
-    /// The other behaviour that fits best; `None` where none was tried.
-    pub rival: Option<Intersample>,
-    /// Deviance of the rival minus that of the behaviour taken: -2 times the difference of the log-likelihoods, in units of the misfit.
-    pub rival_deviance: Option<f64>,
-}
-
-impl Between {
-    /// What the problem assumes of its inputs, before any recording was asked.
-    pub(crate) fn assumed(problem: &Problem<'_>) -> Vec<Self> {
-        let each = problem.model.inputs().zip(&problem.intersample);
-        each.map(|(channel, kind)| Self {
-            kind: *kind,
-            source: if is_open(problem, channel) { BetweenSource::Usual } else { BetweenSource::Stated },
-            rival: None,
-            rival_deviance: None,
-        })
-        .collect()
-    }
+/// What the problem assumes of its inputs, before any recording was asked.
+fn assumed(problem: &Problem<'_>) -> Vec<Between> {
+    let each = problem.model.inputs().zip(&problem.intersample);
+    each.map(|(channel, kind)| Between {
+        kind: *kind,
+        source: if is_open(problem, channel) { BetweenSource::Usual } else { BetweenSource::Stated },
+        rival: None,
+        rival_deviance: None,
+    })
+    .collect()
 }
 
 /// Whether neither the model file nor an option states the intersample behaviour of an input.
@@ -79,10 +52,10 @@ pub(crate) fn is_open(problem: &Problem<'_>, channel: &Channel) -> bool {
     problem.options.intersample.is_none() && channel.between.is_none()
 }
 
-/// Other intersample assumptions that are possible for a channel. A held angle would move in jumps.
+/// Other intersample assumptions that are possible for a channel. A held angle would move in jumps. What is computed from another column (a
+/// rate, a wave) is not tried: its noise is not that of a sample, and a wrong model of noise decides for a wrong kind.
 pub fn others(channel: &Channel, kind: Intersample) -> impl Iterator<Item = Intersample> {
-    let is_wave = matches!(channel.transform, ChannelTransform::Cos(_) | ChannelTransform::Sin(_));
-    let is_none = channel.quantity.is_clock() || is_wave;
+    let is_none = channel.quantity.is_clock() || channel.transform != ChannelTransform::Value;
     let jumps = matches!(channel.quantity, Quantity::Angle | Quantity::Turned);
     Intersample::ALL
         .into_iter()
@@ -109,7 +82,7 @@ pub fn settled_inputs(model: &Model, datasets: &[Dataset], options: Options) -> 
     if problem.model.inputs().any(|channel| is_open(&problem, channel)) {
         let values = model.values();
         let nuisance = nuisance::first(&problem, &values)?;
-        let descent = iterated_gls(&problem, Point { values, nuisance })?;
+        let descent = fitted(&problem, Point { values, nuisance })?;
         settled(&mut problem, descent)?;
         let inputs = model.inputs().zip(&problem.between);
         for (channel, between) in inputs.filter(|(channel, between)| channel.intersample() != between.kind) {
@@ -124,7 +97,7 @@ pub fn settled_inputs(model: &Model, datasets: &[Dataset], options: Options) -> 
 /// One input changes at a time, the one that gains most. `descent` must be a fit of `problem`.
 pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Descent, IdentifyError> {
     let mut descent = descent;
-    let mut between = Between::assumed(problem);
+    let mut between = assumed(problem);
     for round in 0..=MOST_CHANGES {
         if descent.end == End::Interrupted {
             break;
@@ -155,7 +128,7 @@ pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Des
                 let Some(point) = better.point else { break };
                 problem.intersample[input] = better.kind;
                 let before = descent.iterations;
-                descent = iterated_gls(problem, point)?;
+                descent = fitted(problem, point)?;
                 descent.iterations += before;
             }
             _ => break,
@@ -163,6 +136,19 @@ pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Des
     }
     problem.between = between;
     Ok(descent)
+}
+
+/// The fit of a problem from a point: of start states and offsets alone where no parameter is free.
+fn fitted(problem: &Problem<'_>, point: Point) -> Result<Descent, IdentifyError> {
+    if !problem.free.is_empty() {
+        return iterated_gls(problem, point);
+    }
+    let diverged = || IdentifyError::Diverged { model: problem.model.name.clone() };
+    let weights = first_weights(problem, &point)?;
+    let first = nuisance::with_nuisance_fitted(problem, point, weights)?.ok_or_else(diverged)?;
+    let noise = first.channels().iter().map(|channel| channel.rms().max(f64::MIN_POSITIVE)).collect();
+    let weights = Weights::white(noise, Vec::new());
+    nuisance::with_nuisance_fitted(problem, first.point, weights)?.ok_or_else(diverged)
 }
 
 /// A fit under an assumption that was not made.
@@ -202,8 +188,11 @@ impl Alternative {
             return Ok(Some(Self { kind, deviance, point: None }));
         }
         let (point, weights) = (descent.point.clone(), weights.clone());
-        let found =
+        let mut found =
             descent::descend(&other, point, weights, TOLERANCE, ITERATIONS, Stage::Descent { round: 1 })?;
+        if other.free.is_empty() {
+            nuisance::refit(&other, &mut found)?;
+        }
         let deviance = (evaluation::squares(&found.evaluated) - own) / unit + sizes;
         Ok(Some(Self { kind, deviance, point: Some(found.point) }))
     }

@@ -4,7 +4,7 @@ pub(crate) mod descent;
 pub(crate) mod factors;
 pub(crate) mod householder;
 pub(crate) mod intersamples;
-mod noise_estimation;
+pub(crate) mod noise_estimation;
 pub(crate) mod nuisance;
 pub(crate) mod output_error;
 pub(crate) mod qr;

@@ -3,9 +3,7 @@
 use serde::Serialize;
 
 use crate::{
-    optimiser::{descent::End, intersamples::Between},
-    preprocessing::mask::LeftOut,
-    report::verdict::Verdict,
+    between::Between, optimiser::descent::End, preprocessing::mask::LeftOut, report::verdict::Verdict,
 };
 
 /// Version of [`Identification`]'s JSON form.

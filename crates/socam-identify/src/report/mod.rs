@@ -6,6 +6,7 @@ mod identification;
 mod intersample_check;
 mod model_text;
 mod offsets;
+mod sign_check;
 mod verdict;
 mod warnings;
 
@@ -75,7 +76,7 @@ pub(crate) fn identification(
     warnings.extend(problem.misfits.iter().cloned());
     warnings.extend(dead_channels(problem.model, &channels));
     let fit = fit(problem.model, &channels, &weights.noise_std);
-    let verdict = Verdict::new(problem, &channels, results)?;
+    let verdict = Verdict::new(problem, &channels, results, &weights)?;
     let unexplained = verdict.warning(&fit.channels);
     // Further recordings would not help a model that does not explain these.
     let advice = if verdict.explained == Explained::No {
@@ -83,6 +84,9 @@ pub(crate) fn identification(
     } else {
         advice::advice(problem.model, &parameters)
     };
+    if verdict.explained == Explained::No && descent.end != End::Interrupted {
+        warnings.extend(sign_check::warning(problem, &descent)?);
+    }
     warnings.extend(unexplained);
     warnings.extend(descent.left_the_data.map(left_the_data));
     warnings.extend(unresolved(results));

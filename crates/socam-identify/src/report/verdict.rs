@@ -5,7 +5,7 @@ use socam_model::Channel;
 
 use crate::{
     IdentifyError,
-    evaluation::{ChannelSums, SegmentEvaluation},
+    evaluation::{self, ChannelSums, SegmentEvaluation, Weights},
     noise::input_noise,
     problem::Problem,
 };
@@ -43,6 +43,8 @@ pub struct Verdict {
     pub noise_std: Option<f64>,
     /// Its unit, SI.
     pub unit: Option<&'static str>,
+    /// Whether noise of the inputs is counted apart: the residual is then that of a prediction from sample to sample.
+    pub beside_input_noise: bool,
     /// The recording in which that output is left most.
     pub recording: Option<String>,
 }
@@ -53,8 +55,12 @@ impl Verdict {
         problem: &Problem<'_>,
         channels: &[ChannelSums],
         results: &[SegmentEvaluation],
+        weights: &Weights,
     ) -> Result<Self, IdentifyError> {
         let floors = input_noise::most(problem)?.outputs;
+        let inputs_are_noisy = weights.levels().in_the_input();
+        let values: f64 = channels.iter().map(|channel| channel.count).sum();
+        let whitened = (evaluation::squares(results) / values.max(1.0)).sqrt();
         let mut worst: Option<(Explained, f64, usize, f64)> = None;
         for (index, ((channel, sums), most)) in problem.model.outputs().zip(channels).zip(floors).enumerate()
         {
@@ -62,7 +68,9 @@ impl Verdict {
             if sums.count == 0.0 || sums.spread() == 0.0 || !(noise_std.is_finite() && noise_std > 0.0) {
                 continue;
             }
-            let times = sums.rms() / noise_std;
+            // Noise of the inputs is in the residuals, and not in what a prediction from sample to sample leaves.
+            let left = if inputs_are_noisy { whitened * weights.noise_std[index] } else { sums.rms() };
+            let times = left / noise_std;
             let own = (explained(channel, sums, times), times, index, noise_std);
             if worst.is_none_or(|worst| (own.0, own.1) > (worst.0, worst.1)) {
                 worst = Some(own);
@@ -72,6 +80,7 @@ impl Verdict {
             let (channel, times_noise, noise_std, unit, recording) = (None, None, None, None, None);
             return Ok(Self {
                 explained: Explained::NotJudged,
+                beside_input_noise: false,
                 channel,
                 times_noise,
                 noise_std,
@@ -88,6 +97,7 @@ impl Verdict {
             times_noise: Some(times),
             noise_std: Some(noise_std),
             unit: problem.model.outputs().nth(index).map(|channel| channel.unit),
+            beside_input_noise: inputs_are_noisy,
             recording: most.map(|(segment, _)| problem.datasets[segment.recording].name().to_owned()),
         })
     }
@@ -96,8 +106,14 @@ impl Verdict {
     pub(crate) fn warning(&self, channels: &[(String, super::ChannelFit)]) -> Option<String> {
         let (name, times, noise) = (self.channel.as_ref()?, self.times_noise?, self.noise_std?);
         let (_, fit) = channels.iter().find(|(own, _)| own == name)?;
-        let (rms, unit, noise) = (digits(fit.rms), self.unit?, digits(noise));
-        let left = format!("{rms} {unit} rms of {name}, {} times its noise of {noise} {unit}", digits(times));
+        let (rms, unit, noise, times) = (digits(fit.rms), self.unit?, digits(noise), digits(times));
+        let left = if self.beside_input_noise {
+            format!(
+                "{times} times the noise of {name} ({noise} {unit}) from sample to sample, and {rms} {unit} rms in free run"
+            )
+        } else {
+            format!("{rms} {unit} rms of {name}, {times} times its noise of {noise} {unit}")
+        };
         match self.explained {
             Explained::Yes | Explained::NotJudged => None,
             Explained::InPart => Some(format!(

@@ -44,7 +44,11 @@ fn counts_of_an_encoder_are_the_noise_of_its_rate() {
     for (name, truth) in truths {
         let own = found.parameters.iter().find(|parameter| parameter.name == name).unwrap();
         let (value, std) = (own.value.unwrap(), own.std.unwrap());
-        assert!((value - truth).abs() < 3.0 * std, "{name}: {value} +- {std}, truth {truth}");
+        assert!(
+            (value - truth).abs() < 3.0 * std,
+            "{name}: {value} +- {std}, truth {truth}; {:?}",
+            found.between
+        );
     }
     for ((name, fit), level) in found.fit.channels.iter().zip([0.02, 0.01, 0.05]) {
         assert!((fit.noise_std / level - 1.0).abs() < 0.05, "{name}: {} {level}", fit.noise_std);
