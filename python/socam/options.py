@@ -27,8 +27,8 @@ class IdentifyOptions(TypedDict, total=False):
         Start value of a parameter (SI); may be repeated.
     between
         How inputs move between their samples: auto, hold, linear or band-limited, for all of them or as INPUT=KIND for one;
-        may be repeated [default: what the model file says, else auto: band-limited for a motion, linear for a torque, a
-        force, a voltage or a reference].
+        may be repeated [default: what the model file says, else auto: what fits the recordings best, and where they do not
+        tell, band-limited for a motion, linear for a torque, a force, a voltage or a reference].
     method
         Estimation method [default: output-error].
     band
@@ -37,7 +37,8 @@ class IdentifyOptions(TypedDict, total=False):
     start
         Start state of each recording [default: free].
     noise
-        Known standard deviation of a channel's noise (SI); repeat it for every output channel and for noisy inputs.
+        Known standard deviation of a channel's noise (SI); may be repeated. With a level for every output, inputs without
+        one are exact; otherwise the other levels are estimated.
     starts
         Number of start points of the search [default: 6].
     seed
@@ -67,8 +68,8 @@ class ResponseOptions(TypedDict, total=False):
         Start value of a parameter (SI); may be repeated.
     between
         How inputs move between their samples: auto, hold, linear or band-limited, for all of them or as INPUT=KIND for one;
-        may be repeated [default: what the model file says, else auto: band-limited for a motion, linear for a torque, a
-        force, a voltage or a reference].
+        may be repeated [default: what the model file says, else auto: what fits the recordings best, and where they do not
+        tell, band-limited for a motion, linear for a torque, a force, a voltage or a reference].
     band
         Frequency band, Hz.
     outputs
@@ -106,8 +107,8 @@ class DiagnoseOptions(TypedDict, total=False):
         Start value of a parameter (SI); may be repeated.
     between
         How inputs move between their samples: auto, hold, linear or band-limited, for all of them or as INPUT=KIND for one;
-        may be repeated [default: what the model file says, else auto: band-limited for a motion, linear for a torque, a
-        force, a voltage or a reference].
+        may be repeated [default: what the model file says, else auto: what fits the recordings best, and where they do not
+        tell, band-limited for a motion, linear for a torque, a force, a voltage or a reference].
     false_alarm_rate
         False alarm rate, 0 to 1: share of complete models for which something may be found [default: 0.01].
     start
@@ -160,8 +161,8 @@ class WatchOptions(TypedDict, total=False):
         Start value of a parameter (SI); may be repeated.
     between
         How inputs move between their samples: auto, hold, linear or band-limited, for all of them or as INPUT=KIND for one;
-        may be repeated [default: what the model file says, else auto: band-limited for a motion, linear for a torque, a
-        force, a voltage or a reference].
+        may be repeated [default: what the model file says, else auto: what fits the recordings best, and where they do not
+        tell, band-limited for a motion, linear for a torque, a force, a voltage or a reference].
     false_alarms_per_hour
         Mean number of alarms per hour of a healthy bench, over all channels [default: 0.5].
     window_s
@@ -193,8 +194,8 @@ class SimulateOptions(TypedDict, total=False):
         on a servo's drive.
     between
         How inputs move between their samples: auto, hold, linear or band-limited, for all of them or as INPUT=KIND for one;
-        may be repeated [default: what the model file says, else auto: band-limited for a motion, linear for a torque, a
-        force, a voltage or a reference].
+        may be repeated [default: what the model file says, else auto: what fits the recordings best, and where they do not
+        tell, band-limited for a motion, linear for a torque, a force, a voltage or a reference].
     from_rest
         Start at rest [default: start states that fit the whole recording best].
     values
@@ -231,8 +232,8 @@ class DesignOptions(TypedDict, total=False):
         Start value of a parameter (SI); may be repeated.
     between
         How inputs move between their samples: auto, hold, linear or band-limited, for all of them or as INPUT=KIND for one;
-        may be repeated [default: what the model file says, else auto: band-limited for a motion, linear for a torque, a
-        force, a voltage or a reference].
+        may be repeated [default: what the model file says, else auto: what fits the recordings best, and where they do not
+        tell, band-limited for a motion, linear for a torque, a force, a voltage or a reference].
     diagnosis
         The diagnosis.json of `diagnose --report`: compare its strongest finding with its first rival, each added to
         --model.

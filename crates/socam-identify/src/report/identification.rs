@@ -2,9 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{
-    between::Between, optimiser::descent::End, preprocessing::mask::LeftOut, report::verdict::Verdict,
-};
+use crate::{between::Between, optimiser::descent::End, preprocessing::mask::LeftOut};
 
 /// Version of [`Identification`]'s JSON form.
 pub const SCHEMA: &str = "socam.identification/1";
@@ -92,6 +90,39 @@ pub(crate) fn as_map<T: Serialize, S: serde::Serializer>(
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     serializer.collect_map(channels.iter().map(|(name, value)| (name, value)))
+}
+
+/// Whether a model explains recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Explained {
+    /// No output is left by more than its sensor's noise.
+    Yes,
+    /// Most of each output, but at least one is left by several times its noise: intervals hold scatter, not what the model lacks.
+    InPart,
+    /// An output is left by many times its noise and a fifth of its standard deviation.
+    No,
+    /// No output has a noise level to compare with: all are filtered.
+    NotJudged,
+}
+
+/// The verdict on a fit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Whether the model explains the recordings.
+    pub explained: Explained,
+    /// The output that is left furthest beyond its noise; `None` where nothing was judged.
+    pub channel: Option<String>,
+    /// Its residual in units of its noise, root mean squares.
+    pub times_noise: Option<f64>,
+    /// Its noise, SI: stated, or from its fastest content.
+    pub noise_std: Option<f64>,
+    /// Its unit, SI.
+    pub unit: Option<&'static str>,
+    /// Whether noise of the inputs is counted apart: the residual is then that of a prediction from sample to sample.
+    pub beside_input_noise: bool,
+    /// The recording in which that output is left most.
+    pub recording: Option<String>,
 }
 
 /// Result of an identification.

@@ -13,9 +13,9 @@ mod warnings;
 pub(crate) use estimates::predicted;
 pub(crate) use identification::as_map;
 pub use identification::{
-    ChannelFit, CombinationEstimate, Fit, Identification, ParameterEstimate, SCHEMA, Source,
+    ChannelFit, CombinationEstimate, Explained, Fit, Identification, ParameterEstimate, SCHEMA, Source,
+    Verdict,
 };
-pub use verdict::{Explained, Verdict};
 
 use socam_model::Model;
 

@@ -1,6 +1,5 @@
 //! Whether a fitted model explains its recordings, in units of the sensors' noise.
 
-use serde::Serialize;
 use socam_model::Channel;
 
 use crate::{
@@ -8,6 +7,7 @@ use crate::{
     evaluation::{self, ChannelSums, SegmentEvaluation, Weights},
     noise::input_noise,
     problem::Problem,
+    report::{ChannelFit, Explained, Verdict},
 };
 
 /// Ratio of residual to noise up to which a channel is explained, if its noise is stated, and if it is estimated from the fastest content of
@@ -15,39 +15,6 @@ use crate::{
 const EXPLAINED: [f64; 2] = [1.5, 3.0];
 /// Ratio of residual to noise, and to the channel's standard deviation, above which a channel is not explained.
 const NOT_EXPLAINED: [f64; 2] = [10.0, 0.2];
-
-/// Whether a model explains recordings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Explained {
-    /// No output is left by more than its sensor's noise.
-    Yes,
-    /// Most of each output, but at least one is left by several times its noise: intervals hold scatter, not what the model lacks.
-    InPart,
-    /// An output is left by many times its noise and a fifth of its standard deviation.
-    No,
-    /// No output has a noise level to compare with: all are filtered.
-    NotJudged,
-}
-
-/// The verdict on a fit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Verdict {
-    /// Whether the model explains the recordings.
-    pub explained: Explained,
-    /// The output that is left furthest beyond its noise; `None` where nothing was judged.
-    pub channel: Option<String>,
-    /// Its residual in units of its noise, root mean squares.
-    pub times_noise: Option<f64>,
-    /// Its noise, SI: stated, or from its fastest content.
-    pub noise_std: Option<f64>,
-    /// Its unit, SI.
-    pub unit: Option<&'static str>,
-    /// Whether noise of the inputs is counted apart: the residual is then that of a prediction from sample to sample.
-    pub beside_input_noise: bool,
-    /// The recording in which that output is left most.
-    pub recording: Option<String>,
-}
 
 impl Verdict {
     /// Judges all outputs; the worst one decides.
@@ -103,7 +70,7 @@ impl Verdict {
     }
 
     /// What a reader of the estimates should know; `None` where the model explains the recordings.
-    pub(crate) fn warning(&self, channels: &[(String, super::ChannelFit)]) -> Option<String> {
+    pub(crate) fn warning(&self, channels: &[(String, ChannelFit)]) -> Option<String> {
         let (name, times, noise) = (self.channel.as_ref()?, self.times_noise?, self.noise_std?);
         let (_, fit) = channels.iter().find(|(own, _)| own == name)?;
         let (rms, unit, noise, times) = (digits(fit.rms), self.unit?, digits(noise), digits(times));
