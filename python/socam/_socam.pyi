@@ -22,14 +22,14 @@ class Column:
     @property
     def __array_interface__(self, /) -> dict[str, Any]:
         """
-        Address, type and length, by which numpy makes an array of it that cannot be written to.
+        Address, type and length, from which numpy makes a read-only array.
         """
     def __len__(self, /) -> int: ...
 
 @final
 class Comparison:
     """
-    A recording beside a simulation.
+    A recording compared with a simulation.
     """
     def json(self, /) -> str:
         """
@@ -37,7 +37,7 @@ class Comparison:
         """
     def page(self, /, about: SupportsGetItem[int, str]) -> str:
         """
-        A page about it; `about` are lines about how it was made.
+        A page about the comparison; `about` are lines about its origin.
         """
 
 @final
@@ -47,7 +47,7 @@ class Diagnosis:
     """
     def certainty(self, /) -> list[str]:
         """
-        How sure that is, the most important sentence first.
+        Sentences about the certainty of the findings, the most important first.
         """
     def drawing(self, /) -> str:
         """
@@ -55,7 +55,7 @@ class Diagnosis:
         """
     def headline(self, /) -> str:
         """
-        What was found, in one line.
+        The findings in one line.
         """
     def json(self, /) -> str:
         """
@@ -71,13 +71,13 @@ class Diagnosis:
         """
     def report(self, /, folder: str | PathLike[str], date: str) -> None:
         """
-        Writes index.html, diagnosis.json and model.toml into a folder; the page shows the date as it is given.
+        Writes index.html, diagnosis.json and model.toml into a folder; the page shows `date` unchanged.
         """
 
 @final
 class FleetPart:
     """
-    The part file beside a table: rows that are done, kept for a restart.
+    The part file beside a table: finished rows, kept for a restart.
     """
     def __new__(cls, /, task: FleetTask, target: str | PathLike[str]) -> FleetPart:
         """
@@ -93,7 +93,7 @@ class FleetPart:
         """
     def known(self, /) -> list[tuple[str, str]]:
         """
-        Names and ids of the rows that are done.
+        Names and ids of the finished rows.
         """
 
 @final
@@ -116,7 +116,7 @@ class FleetRow:
         """
     def to_bytes(self, /) -> bytes:
         """
-        The row as bytes, which a part takes.
+        The row as bytes, for a part file.
         """
 
 @final
@@ -126,7 +126,7 @@ class FleetSummary:
     """
     def __new__(cls, /, table: str | PathLike[str], fdr: SupportsFloat | SupportsIndex) -> FleetSummary:
         """
-        Of a table, its lists at this false discovery rate.
+        Summarises a table; its lists have this false discovery rate.
         """
     def json(self, /) -> str:
         """
@@ -134,17 +134,17 @@ class FleetSummary:
         """
     def page(self, /, about: SupportsGetItem[int, str]) -> str:
         """
-        The fleet's page; `about` are lines about how it was made.
+        The fleet's page; `about` are lines about its origin.
         """
 
 @final
 class FleetTask:
     """
-    What all rows of a table are made with: a model, options and a seed.
+    The settings of all rows of a table: a model, options and a seed.
     """
     def __new__(cls, /, model: Model, options: str, seed: SupportsIndex) -> FleetTask:
         """
-        Of a model and options as JSON; those that the text does not name have their defaults.
+        Makes a task from a model and options as JSON; options that the text does not name have their defaults.
         """
     def options(self, /) -> str:
         """
@@ -152,12 +152,12 @@ class FleetTask:
         """
     def reference(self, /, named: SupportsGetItem[int, tuple[str, str | PathLike[str]]]) -> str | None:
         """
-        What healthy recordings show, as JSON: the option `frozen` of a task by which all others are screened. Names are those of errors.
+        The result of healthy recordings as JSON: the option `frozen` of a task, by which all others are screened. Names are used in errors.
         """
     def row(self, /, name: str, *, content: bytes | None = None, path: str | PathLike[str] | None = None, problem: str | None = None, machine: str | None = None, date_ms: SupportsIndex | None = None, known: SupportsGetItem[int, str] | None = None) -> tuple[str, FleetRow | None]:
         """
-        Diagnoses one recording, given as bytes or as a path. Returns its id, and its row unless `known` holds the id already. Of a recording
-        that the caller could not fetch, `problem` says why: that is its row.
+        Diagnoses one recording, given as bytes or as a path. Returns its id, and its row unless `known` contains the id. If the caller
+        could not fetch the recording, `problem` is the reason, and its row contains it.
         """
 
 @final
@@ -195,7 +195,7 @@ class Model:
         """
     def changed(self, /, **options: "object") -> Model:
         """
-        The model with other values of parameters, parameters that are held fixed, and how its inputs move between samples: the options
+        The model with other values of parameters, with fixed parameters, and with other intersample behaviour of its inputs: the options
         `start_values`, `fixed` and `between` of every task.
         """
     @property
@@ -206,7 +206,7 @@ class Model:
     @property
     def description(self, /) -> str:
         """
-        What it describes.
+        The model's description.
         """
     def drawing(self, /) -> str:
         """
@@ -261,7 +261,7 @@ class Recording:
     @staticmethod
     def from_bytes(name: str, content: bytes) -> Recording:
         """
-        Opens a file that is in memory. Its format is known by its content.
+        Opens a file that is in memory. Its format is determined from its content.
         """
     @staticmethod
     def from_columns(name: str, time_s: "object", columns: "list[tuple[str, object]]") -> Recording:
@@ -311,7 +311,7 @@ class Recording:
     @property
     def warnings(self, /) -> list[str]:
         """
-        What was not read, and what is missing.
+        Warnings about parts that were not read and about missing samples.
         """
     def write(self, /, path: str | PathLike[str]) -> None:
         """
@@ -325,7 +325,7 @@ def check(recordings: SupportsGetItem[int, Recording], model: Model | None = Non
 
 def compare(recording: Recording, simulation: Recording, **options: "object") -> Comparison:
     """
-    Compares a recording with the output of a simulator: channels of the same name and unit, and those that are named.
+    Compares a recording with the output of a simulator: channels of the same name and unit, and the given pairs of channels.
     """
 
 def described(task: str) -> str:
@@ -345,7 +345,7 @@ def diagnose(recordings: SupportsGetItem[int, Recording], model: Model, *, holdo
 
 def fleet_list(place: str | PathLike[str], content: bytes) -> list[tuple[str, Path, str | None, int | None]]:
     """
-    The same of a list that was fetched from `place`.
+    The recordings of a CSV list that was fetched from `place`, in the form of `fleet_sources`.
     """
 
 def fleet_sources(place: str | PathLike[str]) -> list[tuple[str, Path, str | None, int | None]]:
@@ -355,7 +355,7 @@ def fleet_sources(place: str | PathLike[str]) -> list[tuple[str, Path, str | Non
 
 def frf(recordings: SupportsGetItem[int, Recording], model: Model, **options: "object") -> tuple[str, list[tuple[list[str], list[tuple[str, str]]]], list[str]]:
     """
-    Frequency responses: the document `socam.frequency-response/1`, of each output what is seen in it, and warnings and notes of all.
+    Frequency responses: the document `socam.frequency-response/1`, the results for each output, and warnings and notes about all outputs.
     """
 
 def identify(recordings: SupportsGetItem[int, Recording], model: Model, *, holdout: SupportsGetItem[int, Recording], progress: "object" = None, **options: "object") -> Identification:
@@ -365,7 +365,7 @@ def identify(recordings: SupportsGetItem[int, Recording], model: Model, *, holdo
 
 def is_recording(name: str | PathLike[str]) -> bool:
     """
-    Whether a file of this name is taken for a recording where a folder is given.
+    Whether a file of this name in a folder counts as a recording.
     """
 
 def profiles() -> list[str]:
@@ -375,7 +375,7 @@ def profiles() -> list[str]:
 
 def replay(model: Model, inputs: Recording, **options: "object") -> tuple[Recording, str]:
     """
-    Drives a model by the inputs of a recording. Returns the simulated recording, and how it differs: the document `socam.comparison/1`.
+    Drives a model by the inputs of a recording. Returns the simulated recording, and its errors as the document `socam.comparison/1`.
     """
 
 def simulate(model: Model, profile: str, *, name: str, **options: "object") -> Recording:
@@ -385,5 +385,5 @@ def simulate(model: Model, profile: str, *, name: str, **options: "object") -> R
 
 def watch(recordings: SupportsGetItem[int, Recording], model: Model, *, baseline: SupportsGetItem[int, Recording], **options: "object") -> str:
     """
-    Watches recordings against a model: the document `socam.watch/1`.
+    Monitors recordings against a model: the document `socam.watch/1`.
     """

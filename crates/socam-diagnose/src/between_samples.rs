@@ -1,16 +1,18 @@
 //! Behaviour of the inputs between their samples, decided anew as effects are added: what is missing may have hidden it from the fit of
 //! the base model, and a wrong one looks like a delay or a lag.
 
-use socam_identify::{IdentifyError, comparison, other_intersamples};
+use socam_identify::{IdentifyError, comparison, least_intersample_gain, other_intersamples};
 use socam_model::{Intersample, Model};
 
 use crate::{
     context::{Context, FittedModel},
-    selection::Path,
+    selection::{DISPLACED, Path},
 };
 
 /// Fall of the deviance from which the recordings tell two behaviours apart.
 const TOLD_APART: f64 = 10.0;
+/// Share of the deviance by which another behaviour must fit better while physics is missing: a wrong one may gain a little by chance.
+const FAR_GAIN: f64 = 0.02;
 /// Iterations of the fit under another behaviour, and the deviance above the last fit's up to which it is continued.
 const ITERATIONS: [usize; 2] = [3, 12];
 const WORTH_CONTINUING: f64 = 100.0;
@@ -47,6 +49,8 @@ impl Path {
         let Some(channel) = self.last.model.inputs().find(|channel| channel.name == input) else {
             return Ok(None);
         };
+        let share = if self.noise.excess() > DISPLACED { FAR_GAIN } else { least_intersample_gain(channel) };
+        let least = TOLD_APART.max(share * self.last.deviance());
         let mut best: Option<(Intersample, Model, comparison::Evaluation)> = None;
         for kind in other_intersamples(channel, channel.intersample()) {
             let Some(model) = with_kind(&self.last.model, input, kind) else { continue };
@@ -59,8 +63,8 @@ impl Path {
                 let round = (comparison::COARSE, iterations);
                 at = comparison::descend(&problem, &self.noise, &from.values, Some((&model, &from)), round)?;
             }
-            let least = best.as_ref().map_or(self.last.deviance() - TOLD_APART, |(.., best)| best.total());
-            if let Some(at) = at.filter(|at| at.total() < least) {
+            let below = best.as_ref().map_or(self.last.deviance() - least, |(.., best)| best.total());
+            if let Some(at) = at.filter(|at| at.total() < below) {
                 best = Some((kind, model, at));
             }
         }

@@ -1,7 +1,7 @@
 //! The whole diagnosis, stage by stage, from recordings to the answer.
 
 use socam_identify::{Identification, LeftOut, NoiseLevels, Options as FitOptions, Problem, output_error};
-use socam_model::{Model, Update};
+use socam_model::{Channel, Model, Update};
 use socam_recording::Dataset;
 
 use crate::{
@@ -98,6 +98,7 @@ pub fn diagnose(
     let levels = levels(model, &before);
     let (training, mut outliers) = preprocessed(model, &training, &before.point, &levels, &fit)?;
     let context = Context::new(model, &training, fit, options)?;
+    let file = model;
     let mut settled = model.clone();
     before.state_between(&mut settled)?;
     let model = &settled;
@@ -125,10 +126,27 @@ pub fn diagnose(
         Inputs { context: &context, path, held_out: &outcome, before: &before, after, floor: &floor };
     let mut diagnosis = answer::document(&inputs, cpu_s)?;
     diagnosis.overlay = pictures::overlay(model, &pairs, &floor);
+    notes.extend(taken_otherwise(file, corrected));
     notes.extend(outliers.iter().map(LeftOut::sentence));
     diagnosis.warnings.retain(|warning| !notes.contains(warning));
     diagnosis.warnings.splice(0..0, notes);
     Ok(Answer { diagnosis, evidence, model_toml })
+}
+
+/// A sentence about each input that was taken otherwise between its samples than is usual for its quantity.
+fn taken_otherwise(file: &Model, corrected: &Model) -> Vec<String> {
+    let taken = |input: &Channel| {
+        let own = corrected.inputs().find(|own| own.name == input.name)?.intersample();
+        let (name, usual) = (&input.name, input.intersample());
+        (own != usual).then(|| {
+            format!(
+                "`{name}` was taken as {} between its samples, which explains these recordings better than {}; the corrected model states it",
+                own.name(),
+                usual.name()
+            )
+        })
+    };
+    file.inputs().filter_map(taken).collect()
 }
 
 /// Noise levels of outputs and inputs that a fit estimated, SI.

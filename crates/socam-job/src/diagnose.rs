@@ -51,6 +51,10 @@ impl Settings for Diagnose {
 
     fn validate(&self) -> Result<()> {
         check_false_alarm_rate(self.false_alarm_rate)?;
+        if !(self.tolerance.is_finite() && self.tolerance >= 0.0) {
+            let problem = format!(" {}: expected a number of 0 or more", self.tolerance);
+            return Err(JobError::value("tolerance", "--tolerance", problem));
+        }
         match self.repeatability {
             Some(share) if !(share > 0.0 && share < 0.5) => {
                 let problem = format!(" {share}: expected a share between 0 and 0.5");

@@ -5,7 +5,6 @@ use socam_model::Model;
 use crate::{
     IdentifyError,
     evaluation::{self, Point, SegmentEvaluation},
-    optimiser::nuisance,
     problem::Problem,
 };
 
@@ -56,7 +55,7 @@ pub(crate) fn begin(
     if problem.model.equations(values).is_err() {
         return Ok(None);
     }
-    let mut nuisance = nuisance::first(problem, values)?;
+    let mut nuisance = evaluation::first_nuisance(problem, values)?;
     if let Some((model, before)) = from
         && before.nuisance.len() == nuisance.len()
     {

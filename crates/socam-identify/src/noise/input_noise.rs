@@ -12,10 +12,10 @@ const DIFFERENCES: usize = 8;
 const DIFFERENCED: f64 = 12_870.0;
 /// Rows of a window over which squared differences are averaged.
 const WINDOW: usize = 64;
-/// Quantile of the windows that bounds the noise of an input: noise is in all of them, steps and bursts of the signal are not.
-const QUIET: f64 = 0.2;
-/// Safety factor on the bound of an input: quiet windows lie below the mean of all, and each has an error.
-const MARGIN: f64 = 1.4;
+/// Quantile of the windows that bounds the noise of an input.
+const QUIET: f64 = 0.5;
+/// Safety factor on the bound of an input: the median of the windows lies below their mean, and both have an error.
+const MARGIN: f64 = 1.1;
 /// Share of the steps from row to row without any change from which an input is a command, which has no noise.
 const REPEATED: f64 = 0.5;
 /// Safety factor on the bound of an output, whose noise may be coloured and smaller at the highest frequencies.

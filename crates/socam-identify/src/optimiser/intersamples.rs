@@ -24,6 +24,9 @@ use crate::{
 
 /// Difference of two deviances above which the recordings distinguish two assumptions.
 pub(crate) const TOLD_APART: f64 = 10.0;
+/// Share of the squared residuals by which a measured motion must fit better to be taken otherwise than band-limited, as inertia makes it. Where a
+/// model does not explain the recordings, a wrong behaviour may gain a little by chance.
+const MOTION_GAIN: f64 = 0.02;
 /// The linearised deviance decides alone where it exceeds [`TOLD_APART`] this many times.
 const CLEARLY: f64 = 10.0;
 /// Damping of the one step to the estimates under the other assumption.
@@ -124,7 +127,7 @@ pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Des
             }
         }
         match best {
-            Some((input, better)) if better.deviance < -TOLD_APART && round < MOST_CHANGES => {
+            Some((input, better)) if is_better(problem, &descent, input, &better) && round < MOST_CHANGES => {
                 let Some(point) = better.point else { break };
                 problem.intersample[input] = better.kind;
                 let before = descent.iterations;
@@ -136,6 +139,21 @@ pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Des
     }
     problem.between = between;
     Ok(descent)
+}
+
+/// Whether the recordings decide for another behaviour of an input.
+fn is_better(problem: &Problem<'_>, descent: &Descent, input: usize, other: &Alternative) -> bool {
+    let channel = problem.model.inputs().nth(input);
+    let is_motion = channel.is_some_and(|channel| least_gain(channel) > 0.0);
+    let whole = evaluation::squares(&descent.evaluated) / descent.misfit().max(1.0);
+    other.deviance < -TOLD_APART && (!is_motion || other.deviance < -MOTION_GAIN * whole)
+}
+
+/// Share of the squared residuals by which a channel must fit better under another behaviour than the usual one, 1.
+#[must_use]
+pub fn least_gain(channel: &Channel) -> f64 {
+    let usual = Intersample::of(channel.quantity, channel.transform);
+    if usual == Intersample::BandLimited { MOTION_GAIN } else { 0.0 }
 }
 
 /// The fit of a problem from a point: of start states and offsets alone where no parameter is free.
