@@ -173,11 +173,11 @@ pub(crate) fn between(result: &Identification) -> String {
         let kind = own.kind.name();
         match (own.source, own.rival.zip(own.rival_deviance)) {
             (BetweenSource::Stated, _) => format!("{input} {kind} (stated)"),
+            (_, Some((rival, worse))) if worse < 0.0 => {
+                format!("{input} {kind} ({} fits hardly better)", rival.name())
+            }
             (BetweenSource::Data, Some((rival, worse))) => {
                 format!("{input} {kind} ({} fits worse, chi-square +{worse:.0})", rival.name())
-            }
-            (_, Some((rival, worse))) if worse < 0.0 => {
-                format!("{input} {kind} (usual; {} fits hardly better)", rival.name())
             }
             (_, Some((rival, _))) => format!("{input} {kind} (usual; {} fits as well)", rival.name()),
             (_, None) => format!("{input} {kind} (usual)"),

@@ -9,10 +9,6 @@ use crate::{
     selection::{DISPLACED, Path},
 };
 
-/// Fall of the deviance from which the recordings tell two behaviours apart.
-const TOLD_APART: f64 = 10.0;
-/// Share of the deviance by which another behaviour must fit better while physics is missing: a wrong one may gain a little by chance.
-const FAR_GAIN: f64 = 0.02;
 /// Iterations of the fit under another behaviour, and the deviance above the last fit's up to which it is continued.
 const ITERATIONS: [usize; 2] = [3, 12];
 const WORTH_CONTINUING: f64 = 100.0;
@@ -49,8 +45,8 @@ impl Path {
         let Some(channel) = self.last.model.inputs().find(|channel| channel.name == input) else {
             return Ok(None);
         };
-        let share = if self.noise.excess() > DISPLACED { FAR_GAIN } else { least_intersample_gain(channel) };
-        let least = TOLD_APART.max(share * self.last.deviance());
+        let is_far = self.noise.excess() > DISPLACED;
+        let least = least_intersample_gain(channel, self.last.deviance(), is_far);
         let mut best: Option<(Intersample, Model, comparison::Evaluation)> = None;
         for kind in other_intersamples(channel, channel.intersample()) {
             let Some(model) = with_kind(&self.last.model, input, kind) else { continue };

@@ -1,7 +1,7 @@
 //! What is known of the inputs between their samples.
 
 use serde::Serialize;
-use socam_model::Intersample;
+use socam_model::{Intersample, Model, ModelError};
 
 /// Source of an input's intersample behaviour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -11,7 +11,7 @@ pub enum BetweenSource {
     Stated,
     /// The recordings decide for it: every other behaviour fits worse.
     Data,
-    /// The recordings do not tell it from another one, and it is usual for the input's quantity.
+    /// The recordings do not tell it from another one. It is usual for the input's quantity, or gained on that and does not stand out from it.
     Usual,
 }
 
@@ -26,4 +26,18 @@ pub struct Between {
     pub rival: Option<Intersample>,
     /// Deviance of the rival minus that of the behaviour taken: -2 times the difference of the log-likelihoods, in units of the misfit.
     pub rival_deviance: Option<f64>,
+}
+
+/// States in `model` how its inputs behave between their samples, by name, where the recordings decided against what is usual.
+pub(crate) fn state<'b>(
+    found: impl IntoIterator<Item = (&'b String, &'b Between)>,
+    model: &mut Model,
+) -> Result<(), ModelError> {
+    for (input, between) in found.into_iter().filter(|(_, one)| one.source == BetweenSource::Data) {
+        let own = model.inputs().find(|channel| channel.name == *input);
+        if own.is_some_and(|channel| channel.intersample() != between.kind) {
+            model.set_intersample(input, Some(between.kind))?;
+        }
+    }
+    Ok(())
 }

@@ -40,7 +40,7 @@ pub(crate) fn most(problem: &Problem<'_>) -> Result<NoiseLevels, IdentifyError> 
     let inputs = problem.model.inputs().count();
     let mut windows: Vec<Vec<Sizes>> = vec![Vec::new(); inputs + problem.outputs()];
     for segment in problem.segments.iter().take(MOST_SEGMENTS) {
-        let head = segments::Segment { rows: segment.rows.min(MOST_ROWS), ..segment.clone() };
+        let head = segment.head(MOST_ROWS);
         let dataset = &problem.datasets[segment.recording];
         segments::read(problem.model, dataset, &head, &vec![Intersample::Linear; inputs], |chunk| {
             // A recording resampled at `parts` points per sample has noise of the same spectral density, and `parts` times its variance.

@@ -15,7 +15,6 @@ use crate::{
         innovations_filter::NoiseLevels,
         level_score::{PerturbedFilters, Score, of, scaled},
     },
-    preprocessing::segments::Segment,
     problem::{Problem, sample_times},
 };
 
@@ -57,10 +56,7 @@ pub(crate) fn without_parameters<'a>(problem: &Problem<'a>) -> Problem<'a> {
 
 /// The problem with all parameters fixed, restricted to the segments `kept` and to the first `rows` rows of each.
 fn without_sensitivities<'a>(problem: &Problem<'a>, kept: &[usize], rows: u64) -> Problem<'a> {
-    let shortened = |index: &usize| {
-        let segment = &problem.segments[*index];
-        Segment { rows: segment.rows.min(rows), ..segment.clone() }
-    };
+    let shortened = |index: &usize| problem.segments[*index].head(rows);
     Problem::of_segments(
         (problem.model, problem.datasets),
         Vec::new(),

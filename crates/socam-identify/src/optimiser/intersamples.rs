@@ -8,7 +8,7 @@ use socam_recording::Dataset;
 
 use crate::{
     IdentifyError, Options, Problem,
-    between::{Between, BetweenSource},
+    between::{self, Between, BetweenSource},
     evaluation::{self, Point, Weights},
     noise::innovations_filter::{InnovationsFilter, NoiseLevels},
     optimiser::{
@@ -24,11 +24,11 @@ use crate::{
 
 /// Difference of two deviances above which the recordings distinguish two assumptions.
 pub(crate) const TOLD_APART: f64 = 10.0;
-/// Share of the squared residuals by which a measured motion must fit better to be taken otherwise than band-limited, as inertia makes it. Where a
-/// model does not explain the recordings, a wrong behaviour may gain a little by chance.
-const MOTION_GAIN: f64 = 0.02;
+/// Share of the squared residuals by which another behaviour must fit better where a wrong one may gain a little by chance: while physics is
+/// missing, and for a motion, which inertia makes band-limited.
+const LEAST_SHARE: f64 = 0.02;
 /// The linearised deviance decides alone where it exceeds [`TOLD_APART`] this many times.
-const CLEARLY: f64 = 10.0;
+pub(crate) const CLEARLY: f64 = 10.0;
 /// Damping of the one step to the estimates under the other assumption.
 const DAMPING: f64 = 1e-9;
 /// Iterations of the descent that confirms it.
@@ -43,7 +43,7 @@ fn assumed(problem: &Problem<'_>) -> Vec<Between> {
     let each = problem.model.inputs().zip(&problem.intersample);
     each.map(|(channel, kind)| Between {
         kind: *kind,
-        source: if is_open(problem, channel) { BetweenSource::Usual } else { BetweenSource::Stated },
+        source: if is_open(&problem.options, channel) { BetweenSource::Usual } else { BetweenSource::Stated },
         rival: None,
         rival_deviance: None,
     })
@@ -51,8 +51,8 @@ fn assumed(problem: &Problem<'_>) -> Vec<Between> {
 }
 
 /// Whether neither the model file nor an option states the intersample behaviour of an input.
-pub(crate) fn is_open(problem: &Problem<'_>, channel: &Channel) -> bool {
-    problem.options.intersample.is_none() && channel.between.is_none()
+pub(crate) fn is_open(options: &Options, channel: &Channel) -> bool {
+    options.intersample.is_none() && channel.between.is_none()
 }
 
 /// Other intersample assumptions that are possible for a channel. A held angle would move in jumps. What is computed from another column (a
@@ -80,17 +80,14 @@ pub fn others(channel: &Channel, kind: Intersample) -> impl Iterator<Item = Inte
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn settled_inputs(model: &Model, datasets: &[Dataset], options: Options) -> Result<Model, IdentifyError> {
-    let mut problem = Problem::of_known(model, datasets, options)?;
     let mut stated = model.clone();
-    if problem.model.inputs().any(|channel| is_open(&problem, channel)) {
+    if model.inputs().any(|channel| is_open(&options, channel)) {
+        let mut problem = Problem::of_known(model, datasets, options)?;
         let values = model.values();
         let nuisance = nuisance::first(&problem, &values)?;
         let descent = fitted(&problem, Point { values, nuisance })?;
         settled(&mut problem, descent)?;
-        let inputs = model.inputs().zip(&problem.between);
-        for (channel, between) in inputs.filter(|(channel, between)| channel.intersample() != between.kind) {
-            stated.set_intersample(&channel.name, Some(between.kind))?;
-        }
+        between::state(model.inputs().map(|channel| &channel.name).zip(&problem.between), &mut stated)?;
     }
     Ok(stated)
 }
@@ -105,9 +102,9 @@ pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Des
         if descent.end == End::Interrupted {
             break;
         }
-        let mut best: Option<(usize, Alternative)> = None;
+        let mut best: Option<(usize, &Channel, Alternative)> = None;
         for (input, channel) in problem.model.inputs().enumerate() {
-            if !is_open(problem, channel) {
+            if !is_open(&problem.options, channel) {
                 continue;
             }
             let mut rival: Option<Alternative> = None;
@@ -122,17 +119,25 @@ pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Des
                 rival: Some(rival.kind),
                 rival_deviance: Some(rival.deviance),
             };
-            if best.as_ref().is_none_or(|(_, best)| rival.deviance < best.deviance) {
-                best = Some((input, rival));
+            if best.as_ref().is_none_or(|(_, _, best)| rival.deviance < best.deviance) {
+                best = Some((input, channel, rival));
             }
         }
+        let whole = evaluation::squares(&descent.evaluated) / descent.misfit().max(1.0);
         match best {
-            Some((input, better)) if is_better(problem, &descent, input, &better) && round < MOST_CHANGES => {
-                let Some(point) = better.point else { break };
-                problem.intersample[input] = better.kind;
-                let before = descent.iterations;
+            Some((input, channel, Alternative { kind, deviance, point: Some(point) }))
+                if deviance < -least_gain(channel, whole, false) && round < MOST_CHANGES =>
+            {
+                let before = (problem.intersample[input], descent.iterations);
+                problem.intersample[input] = kind;
+                between[input] = Between {
+                    kind,
+                    source: BetweenSource::Data,
+                    rival: Some(before.0),
+                    rival_deviance: Some(-deviance),
+                };
                 descent = fitted(problem, point)?;
-                descent.iterations += before;
+                descent.iterations += before.1;
             }
             _ => break,
         }
@@ -141,19 +146,12 @@ pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Des
     Ok(descent)
 }
 
-/// Whether the recordings decide for another behaviour of an input.
-fn is_better(problem: &Problem<'_>, descent: &Descent, input: usize, other: &Alternative) -> bool {
-    let channel = problem.model.inputs().nth(input);
-    let is_motion = channel.is_some_and(|channel| least_gain(channel) > 0.0);
-    let whole = evaluation::squares(&descent.evaluated) / descent.misfit().max(1.0);
-    other.deviance < -TOLD_APART && (!is_motion || other.deviance < -MOTION_GAIN * whole)
-}
-
-/// Share of the squared residuals by which a channel must fit better under another behaviour than the usual one, 1.
+/// Fall of the deviance from which the recordings decide for another behaviour of an input. `squares` is the sum of squared residuals in units of
+/// the misfit, `is_far` whether physics is known to be missing.
 #[must_use]
-pub fn least_gain(channel: &Channel) -> f64 {
-    let usual = Intersample::of(channel.quantity, channel.transform);
-    if usual == Intersample::BandLimited { MOTION_GAIN } else { 0.0 }
+pub fn least_gain(channel: &Channel, squares: f64, is_far: bool) -> f64 {
+    let is_motion = Intersample::of(channel.quantity, channel.transform) == Intersample::BandLimited;
+    if is_far || is_motion { TOLD_APART.max(LEAST_SHARE * squares) } else { TOLD_APART }
 }
 
 /// The fit of a problem from a point: of start states and offsets alone where no parameter is free.

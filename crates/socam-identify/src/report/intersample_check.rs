@@ -6,7 +6,7 @@ use crate::{
     IdentifyError, Problem,
     optimiser::{
         descent::Descent,
-        intersamples::{Alternative, TOLD_APART, is_open, others},
+        intersamples::{Alternative, CLEARLY, TOLD_APART, is_open, others},
     },
     report::ParameterEstimate,
 };
@@ -24,13 +24,17 @@ pub(crate) fn warnings(
     let mut found = Vec::new();
     for (input, channel) in problem.model.inputs().enumerate() {
         let kind = problem.intersample[input];
+        let rival_deviance = problem.between.get(input).and_then(|between| between.rival_deviance);
+        if rival_deviance.is_some_and(|worse| worse > CLEARLY * TOLD_APART) {
+            continue;
+        }
         let mut best: Option<Moved> = None;
         for other in others(channel, kind) {
             let alternative = Alternative::new(problem, descent, (input, other), TOLD_APART)?;
             let moved = alternative.and_then(|one| Moved::new(problem, descent, parameters, one));
             best = [best, moved].into_iter().flatten().min_by(|a, b| a.deviance.total_cmp(&b.deviance));
         }
-        found.extend(best.map(|best| best.sentence(channel, kind, is_open(problem, channel))));
+        found.extend(best.map(|best| best.sentence(channel, kind, is_open(&problem.options, channel))));
     }
     Ok(found)
 }

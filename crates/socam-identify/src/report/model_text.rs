@@ -1,8 +1,8 @@
 //! The model file with the identified values.
 
-use socam_model::{Channel, Model, ModelError, Update};
+use socam_model::{Model, ModelError, Update};
 
-use crate::{BetweenSource, End, Identification, Source};
+use crate::{End, Identification, Source, between};
 
 impl Identification {
     /// States in `model` how its inputs behave between their samples, where the recordings decided against what is usual.
@@ -10,14 +10,7 @@ impl Identification {
     /// # Errors
     /// [`ModelError::File`] where [`Model::text`] has not these inputs.
     pub fn state_between(&self, model: &mut Model) -> Result<(), ModelError> {
-        for (input, between) in self.between.iter().filter(|(_, one)| one.source == BetweenSource::Data) {
-            let is_other =
-                |channel: &&Channel| channel.name == *input && channel.intersample() != between.kind;
-            if model.inputs().find(is_other).is_some() {
-                model.set_intersample(input, Some(between.kind))?;
-            }
-        }
-        Ok(())
+        between::state(self.between.iter().map(|(input, between)| (input, between)), model)
     }
 
     /// The text of `model`'s file with the identified values, their intervals and sources, and with `between` of the inputs for which the

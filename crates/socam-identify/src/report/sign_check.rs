@@ -30,10 +30,10 @@ pub(crate) fn warning(problem: &Problem<'_>, descent: &Descent) -> Result<Option
     }
     let mut best: Option<(f64, usize)> = None;
     let channels = problem.model.channels.iter().enumerate().filter(|(_, one)| !one.quantity.is_clock());
-    for (index, _) in channels {
+    for (index, channel) in channels {
         let Some(left) = left_with_other_sign(problem, index)? else { continue };
         // Two channels whose signs are told by each other alone leave the same: the sensor is named.
-        let is_sensor = problem.model.channels[index].role == Role::Output;
+        let is_sensor = channel.role == Role::Output;
         let least =
             best.map_or(RIGHT * own, |(least, _)| if is_sensor { 1.01 * least } else { 0.99 * least });
         if left < least {

@@ -28,7 +28,7 @@ impl Verdict {
         let inputs_are_noisy = weights.levels().in_the_input();
         let values: f64 = channels.iter().map(|channel| channel.count).sum();
         let whitened = (evaluation::squares(results) / values.max(1.0)).sqrt();
-        let mut worst: Option<(Explained, f64, usize, f64)> = None;
+        let mut worst: Option<(Explained, f64, usize, f64, &Channel)> = None;
         for (index, ((channel, sums), most)) in problem.model.outputs().zip(channels).zip(floors).enumerate()
         {
             let noise_std = channel.noise_std.unwrap_or(most / input_noise::COLOURED);
@@ -38,21 +38,20 @@ impl Verdict {
             // Noise of the inputs is in the residuals, and not in what a prediction from sample to sample leaves.
             let left = if inputs_are_noisy { whitened * weights.noise_std[index] } else { sums.rms() };
             let times = left / noise_std;
-            let own = (explained(channel, sums, times), times, index, noise_std);
+            let own = (explained(channel, sums, times), times, index, noise_std, channel);
             if worst.is_none_or(|worst| (own.0, own.1) > (worst.0, worst.1)) {
                 worst = Some(own);
             }
         }
-        let Some((explained, times, index, noise_std)) = worst else {
-            let (channel, times_noise, noise_std, unit, recording) = (None, None, None, None, None);
+        let Some((explained, times, index, noise_std, channel)) = worst else {
             return Ok(Self {
                 explained: Explained::NotJudged,
+                channel: None,
+                times_noise: None,
+                noise_std: None,
+                unit: None,
                 beside_input_noise: false,
-                channel,
-                times_noise,
-                noise_std,
-                unit,
-                recording,
+                recording: None,
             });
         };
         let segments = problem.segments.iter().zip(results);
@@ -60,10 +59,10 @@ impl Verdict {
         let most = segments.max_by(|a, b| left(a).total_cmp(&left(b)));
         Ok(Self {
             explained,
-            channel: problem.model.outputs().nth(index).map(|channel| channel.name.clone()),
+            channel: Some(channel.name.clone()),
             times_noise: Some(times),
             noise_std: Some(noise_std),
-            unit: problem.model.outputs().nth(index).map(|channel| channel.unit),
+            unit: Some(channel.unit),
             beside_input_noise: inputs_are_noisy,
             recording: most.map(|(segment, _)| problem.datasets[segment.recording].name().to_owned()),
         })
