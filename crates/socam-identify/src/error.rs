@@ -39,7 +39,7 @@ pub enum IdentifyError {
         /// Names of all parameters.
         known: String,
     },
-    /// All parameters are fixed.
+    /// All parameters are fixed, and the task is about free ones.
     #[error("every parameter of the model {model} is fixed; free at least one")]
     NothingFree {
         /// Model name.

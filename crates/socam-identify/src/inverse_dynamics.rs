@@ -59,6 +59,9 @@ pub fn inverse_dynamics(model: &Model, datasets: &[Dataset]) -> Result<Identific
     let clock = CpuClock::start();
     let tables: Vec<Table> = loaded.iter().flatten().map(|motion| axis.table(motion)).collect();
     let free = axis.free.len();
+    if free == 0 {
+        return Err(IdentifyError::NothingFree { model: model.name.clone() });
+    }
     let rows: usize = tables.iter().map(|table| table.force.len()).sum();
     if rows <= free {
         return Err(IdentifyError::TooShort {

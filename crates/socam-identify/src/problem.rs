@@ -122,7 +122,8 @@ impl<'a> Problem<'a> {
         self.model
     }
 
-    /// Binds `datasets` to the channels that `model` reads. Parameters that the model marks as fixed stay so.
+    /// Binds `datasets` to the channels that `model` reads. Parameters that the model marks as fixed stay so; where all are, a fit estimates
+    /// noise levels, start states and offsets, and says whether the model explains the recordings.
     ///
     /// ```
     /// use socam_identify::{Options, Problem};
@@ -135,13 +136,10 @@ impl<'a> Problem<'a> {
     /// ```
     ///
     /// # Errors
-    /// When a recording lacks a channel or is too short, when no parameter is free, or when a file cannot be read.
+    /// When a recording lacks a channel or is too short, or when a file cannot be read.
     pub fn new(model: &'a Model, datasets: &'a [Dataset], options: Options) -> Result<Self, IdentifyError> {
         let free: Vec<usize> =
             (0..model.parameters.len()).filter(|index| !model.parameters[*index].fixed).collect();
-        if free.is_empty() {
-            return Err(IdentifyError::NothingFree { model: model.name.clone() });
-        }
         let (nodes, free_count) = (model.nodes.len(), free.len());
         if nodes > MOST_NODES || free_count > MOST_FREE {
             return Err(IdentifyError::TooLarge {

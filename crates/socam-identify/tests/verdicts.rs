@@ -140,6 +140,41 @@ fn a_model_without_friction_explains_in_part_and_says_how_far_off_it_is() {
 }
 
 #[test]
+fn a_model_that_is_known_is_judged() {
+    let mut known = model("");
+    for (parameter, value) in known.parameters.iter_mut().zip([INERTIA, DAMPING]) {
+        (parameter.value, parameter.fixed) = (value, true);
+    }
+    known.set_intersample("torque", Some(Intersample::Hold)).unwrap();
+    let explained = |friction: f64| {
+        let found = fitted(&known, &recording(8, Intersample::Hold, friction, 1.0));
+        assert_eq!(found.point, [INERTIA, DAMPING]);
+        found.verdict.unwrap().explained
+    };
+    assert_eq!(explained(0.0), Explained::Yes);
+    assert!(explained(0.3) > Explained::Yes);
+}
+
+/// One read of the tachometer in sixty fails, and the model lacks friction, so that its own residuals do not show them.
+#[test]
+fn failed_reads_are_left_out_whatever_the_model_misses() {
+    for friction in [0.0, 0.3] {
+        let clean = recording(9, Intersample::Hold, friction, 1.0);
+        let mut columns: Vec<Vec<f64>> =
+            clean.load_all().unwrap().columns.iter().map(|column| column.values().to_vec()).collect();
+        columns[1].iter_mut().skip(30).step_by(61).for_each(|speed| *speed = 3276.8);
+        let channels = clean.channels().to_vec();
+        let time_s = (0..columns[0].len()).map(|k| STEP_S * k as f64).collect();
+        let failing = Dataset::from_columns("failing", channels, time_s, columns).unwrap();
+        let [found, whole] = [&failing, &clean].map(|data| fitted(&model(""), data));
+        assert_eq!(found.left_out.iter().map(|one| one.samples).sum::<u64>(), 26, "{:?}", found.left_out);
+        for (found, whole) in found.point.iter().zip(&whole.point) {
+            assert!((found / whole - 1.0).abs() < 0.03, "{found} beside {whole}, friction {friction}");
+        }
+    }
+}
+
+#[test]
 fn a_tachometer_with_the_wrong_sign_is_named() {
     let found = fitted(&model(""), &recording(7, Intersample::Hold, 0.0, -1.0));
     let said = found.warnings.iter().find(|one| one.contains("wrong sign")).expect("a warning");

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use socam_calibrate::sensors::with_sensor_gains;
 use socam_frequency::rational::Orders;
 use socam_identify::{
-    Band, Document, ForceError, IdentifyError, Noise, NoiseLevels, Options, Problem, ProgressMonitor,
-    Validation,
+    Band, Document, End, Explained, ForceError, Identification, IdentifyError, Noise, NoiseLevels, Options,
+    Problem, ProgressMonitor, Validation,
 };
 use socam_model::Model;
 use socam_recording::{Dataset, RecordingError};
@@ -185,7 +185,7 @@ impl Identify {
             let checked = held_out.iter().try_for_each(|dataset| band.check(dataset));
             checked.map_err(|error| JobError::value("band", "--band", format!(": {error}")))?;
         }
-        let result = match self.method {
+        let mut result = match self.method {
             Method::InverseDynamics => socam_identify::inverse_dynamics(model, training)?,
             Method::Frf | Method::Etf | Method::CoefficientMatch => {
                 let problem = ": only output-error and inverse-dynamics fit the model's parameters to signals over time";
@@ -196,6 +196,10 @@ impl Identify {
                 socam_identify::output_error(&problem)?
             }
         };
+        if is_left(&result) && result.end != End::Interrupted {
+            let suspected = socam_diagnose::suspicions(model, training, &result, &options)?;
+            result.allow_for(model, suspected);
+        }
         // The remaining work is short, and is done even after an interrupted search.
         let options = Options { progress: ProgressMonitor::default(), ..options };
         let validation = socam_identify::validate(model, held_out, &result, &options, self.band);
@@ -248,6 +252,12 @@ impl Identify {
         }
         Ok(model)
     }
+}
+
+/// Whether a fit misses its recordings by more than noise.
+fn is_left(result: &Identification) -> bool {
+    let explained = result.verdict.as_ref().map(|verdict| verdict.explained);
+    matches!(explained, Some(Explained::InPart | Explained::No))
 }
 
 /// The error, with a remedy if the recording belongs to another model.

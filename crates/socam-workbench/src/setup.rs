@@ -187,9 +187,6 @@ impl Chosen {
 
     fn parameters(&self) -> Option<String> {
         let parameters = &self.model.parameters;
-        if parameters.iter().all(|parameter| parameter.fixed) {
-            return Some("Every parameter is fixed: free at least one.".into());
-        }
         let outside = |p: &&socam_model::Parameter| !p.fixed && !(p.bounds.0..=p.bounds.1).contains(&p.value);
         if let Some(parameter) = parameters.iter().find(outside) {
             return Some(format!("{} starts outside its bounds: change its start value.", parameter.name));

@@ -33,6 +33,10 @@ pub struct CandidateScore {
     pub step: Vec<f64>,
     /// Standard error of each step for white residuals, SI; infinite where the parameter changes no residual.
     pub std: Vec<f64>,
+    /// Change of each base parameter that goes with these steps, SI, in the order of the base.
+    pub base_step: Vec<f64>,
+    /// Standard error of that change from the steps' errors alone, for white residuals, SI.
+    pub base_std: Vec<f64>,
     /// Change of the first parameter alone that changes the sum of squares by one, SI; infinite where none does.
     pub resolution: f64,
     /// Efficient scores (orthogonal to the base parameters) by block of 0.2 s in the order of the recordings, over the parameters of the
@@ -87,6 +91,10 @@ pub fn score_test(
         let mut score = orthogonalised.score(&own, &blocks);
         for values in [&mut score.step, &mut score.std] {
             values.iter_mut().zip(&own).for_each(|(value, column)| *value *= weights.scales[*column]);
+        }
+        for values in [&mut score.base_step, &mut score.base_std] {
+            let along_base = values.iter_mut().zip(&orthogonalised.base);
+            along_base.for_each(|(value, column)| *value *= weights.scales[*column]);
         }
         score.resolution *= own.first().map_or(1.0, |column| weights.scales[*column]);
         score
@@ -144,6 +152,8 @@ impl<'f> Orthogonalised<'f> {
             total: self.total,
             step: vec![0.0; group.len()],
             std: vec![f64::INFINITY; group.len()],
+            base_step: vec![0.0; self.base.len()],
+            base_std: vec![0.0; self.base.len()],
             resolution: f64::INFINITY,
             scores: Vec::new(),
         };
@@ -186,6 +196,11 @@ impl<'f> Orthogonalised<'f> {
             let variance = solved(&gram, &unit).map_or(f64::INFINITY, |column| column[index]);
             score.step[*k] = step[index] / lengths[*k];
             score.std[*k] = variance.max(0.0).sqrt() / lengths[*k];
+            // The base takes back what the column shares with it.
+            for (base, taken) in own[*k].1.iter().enumerate() {
+                score.base_step[base] -= taken * score.step[*k];
+                score.base_std[base] = score.base_std[base].hypot(taken * score.std[*k]);
+            }
         }
         score
     }

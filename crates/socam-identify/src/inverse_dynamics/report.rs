@@ -63,6 +63,7 @@ impl Regression {
             fit,
             between: Vec::new(),
             verdict: None,
+            suspicions: Vec::new(),
             left_out: Vec::new(),
             input_noise_std: Vec::new(),
             advice: Vec::new(),

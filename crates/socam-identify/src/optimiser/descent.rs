@@ -8,6 +8,7 @@ use crate::{
     evaluation::{self, ChannelSums, Point, SegmentEvaluation, Weights, channel_sums, squares},
     optimiser::{
         factors::{global_factor, total_cost},
+        nuisance,
         step::{constrained_step, moved, predicted_gain},
     },
     problem::Problem,
@@ -151,6 +152,11 @@ pub(crate) fn descend(
         end: End::IterationLimit,
         left_the_data: None,
     };
+    if problem.free.is_empty() {
+        nuisance::refit(problem, &mut at)?;
+        at.end = End::Converged;
+        return Ok(at);
+    }
     let mut damping = Damping { value: 1e-3, growth: 2.0, refused: 0 };
     let mut factor = at.factor(problem);
     let mut costs = vec![at.cost];

@@ -45,7 +45,7 @@ pub(crate) fn best_start(
         let nuisance = nuisance::first(problem, &values)?;
         Ok(Point { values, nuisance })
     };
-    if problem.options.starts <= 1 {
+    if problem.options.starts <= 1 || problem.free.is_empty() {
         return with_nuisance(first);
     }
     let uninterrupted = |index: &usize| problem.segments[*index].starts_uninterrupted();

@@ -1,4 +1,4 @@
-//! Search of recordings for saturated outputs and spikes of inputs, before any fit.
+//! Search of recordings for saturated outputs, failed reads of outputs and spikes of inputs, before any fit.
 
 use std::sync::Arc;
 
@@ -18,7 +18,8 @@ use crate::{
 /// them below it, and their mean is too low.
 const BESIDE_SATURATION: u64 = 3;
 
-/// Searches all recordings for saturated outputs and spikes of inputs, sets the masks of their segments, and returns the reports.
+/// Searches all recordings for saturated outputs, failed reads of outputs and spikes of inputs, sets the masks of their segments, and returns
+/// the reports.
 pub(crate) fn find(
     inputs: &[&Channel],
     outputs: &[&Channel],
@@ -33,6 +34,12 @@ pub(crate) fn find(
             mask.add(output, rows);
         }
         let own = || segments.iter().filter(|segment| segment.recording == recording);
+        for (output, channel) in outputs.iter().enumerate() {
+            let rows = spikes::failed_reads(channel, dataset, &own().collect::<Vec<_>>())?;
+            let rows = joined(rows.into_iter().map(|row| row..row + 1).collect());
+            notes.extend(LeftOut::new(dataset, &channel.name, Reason::Outliers, &rows));
+            mask.add(output, rows);
+        }
         mask.imputed = spikes::find(inputs, dataset, &own().collect::<Vec<_>>())?;
         for (imputed, channel) in mask.imputed.iter().zip(inputs) {
             let rows = joined(imputed.iter().map(|(row, _)| *row..row + 1).collect());

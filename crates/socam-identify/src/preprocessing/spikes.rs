@@ -1,4 +1,5 @@
-//! Spikes of an input: one or two values that differ from their neighbours, which show no trace of them.
+//! Spikes of a channel: one or two values that differ from their neighbours, which show no trace of them. Those of an input are imputed,
+//! those of an output are failed reads and left out, whatever the model predicts there.
 //!
 //! The deviation of a value is its distance from the polynomial of fifth degree through three values on either side. It consists of
 //! noise, of motion near half the sampling rate, and of sudden changes. A sudden change is a spike if no large deviation remains once
@@ -7,7 +8,7 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
-use socam_model::{Channel, Quantity};
+use socam_model::{Channel, Quantity, Role};
 use socam_recording::Dataset;
 
 use crate::{IdentifyError, preprocessing::segments::Segment};
@@ -24,10 +25,13 @@ const ABOVE_MOTION: f64 = 1.5;
 const MOST_ROWS: usize = 2;
 /// Rows on either side of a deviation that its test looks at.
 const NEAR: usize = 8;
-/// Largest share of an input's rows that can be spikes. If there are more, they are part of the input's motion and none is imputed.
-const MOST_SHARE: f64 = 0.005;
-/// Most large deviations in a block. If there are more, they are part of the input's motion and none is imputed.
-const MOST_SUDDEN: usize = 100;
+/// Largest share of a channel's rows that can be spikes, of an input and of an output. If there are more, they are part of its motion. A bus or
+/// an encoder fails one read in fifty; a drive's command may well be a row of pulses.
+const MOST_SHARE: [f64; 2] = [0.005, 0.025];
+/// Most large deviations in a block; a spike makes up to seven. If there are more, they are part of the motion.
+const MOST_SUDDEN: [usize; 2] = [100, 300];
+/// Least size of an output's spike, in units of its resolution: where a slow encoder counts once in many rows, each count is a spike.
+const MANY_STEPS: f64 = 8.0;
 /// Rows on either side that the polynomial passes through.
 pub(crate) const REACH: usize = 3;
 
@@ -43,19 +47,42 @@ pub(crate) fn find(
             all.push(Vec::new());
             continue;
         }
-        let column = dataset.channel_index(&channel.column)?;
-        let each = segments.par_iter().map(|segment| in_segment(column, dataset, segment));
-        let each: Result<Vec<Vec<(u64, f64)>>, IdentifyError> = each.collect();
-        let found: Vec<(u64, f64)> = each?.into_iter().flatten().collect();
-        let rows: u64 = segments.iter().map(|segment| segment.rows).sum();
-        let few = found.len() as f64 <= MOST_SHARE * rows as f64;
-        all.push(if few { found } else { Vec::new() });
+        all.push(in_channel(channel, dataset, segments)?);
     }
     Ok(all)
 }
 
+/// Failed reads of an output: its rows, ascending.
+pub(crate) fn failed_reads(
+    output: &Channel,
+    dataset: &Dataset,
+    segments: &[&Segment],
+) -> Result<Vec<u64>, IdentifyError> {
+    Ok(in_channel(output, dataset, segments)?.into_iter().map(|(row, _)| row).collect())
+}
+
+/// Spikes of a channel; none where there are many.
+fn in_channel(
+    channel: &Channel,
+    dataset: &Dataset,
+    segments: &[&Segment],
+) -> Result<Vec<(u64, f64)>, IdentifyError> {
+    let column = dataset.channel_index(&channel.column)?;
+    let each = segments.par_iter().map(|segment| in_segment(column, channel.role, dataset, segment));
+    let each: Result<Vec<Vec<(u64, f64)>>, IdentifyError> = each.collect();
+    let found: Vec<(u64, f64)> = each?.into_iter().flatten().collect();
+    let rows: u64 = segments.iter().map(|segment| segment.rows).sum();
+    let few = found.len() as f64 <= MOST_SHARE[usize::from(channel.role == Role::Output)] * rows as f64;
+    Ok(if few { found } else { Vec::new() })
+}
+
 /// Spikes of one segment; the uninterrupted rows on either side of it are taken into account.
-fn in_segment(column: usize, dataset: &Dataset, segment: &Segment) -> Result<Vec<(u64, f64)>, IdentifyError> {
+fn in_segment(
+    column: usize,
+    role: Role,
+    dataset: &Dataset,
+    segment: &Segment,
+) -> Result<Vec<(u64, f64)>, IdentifyError> {
     let (near, end) = (2 * NEAR as u64, segment.first_row + segment.rows);
     let first = segment.first_row.saturating_sub(near).max(segment.uninterrupted.start);
     let last = (end + near).min(segment.uninterrupted.end);
@@ -63,13 +90,15 @@ fn in_segment(column: usize, dataset: &Dataset, segment: &Segment) -> Result<Vec
     for block in dataset.blocks_in(first..last, &[column])? {
         values.extend_from_slice(block?.columns[0].values());
     }
-    let found = spikes_in(&values).into_iter().map(|(k, value)| (first + k as u64, value));
+    let found = spikes_in(&values, role).into_iter().map(|(k, value)| (first + k as u64, value));
     Ok(found.filter(|(row, _)| (segment.first_row..end).contains(row)).collect())
 }
 
 /// Positions of spikes, ascending, and their imputed values.
-fn spikes_in(values: &[f64]) -> Vec<(usize, f64)> {
+fn spikes_in(values: &[f64], role: Role) -> Vec<(usize, f64)> {
     let mut values = values.to_vec();
+    let is_output = role == Role::Output;
+    let resolved = if is_output { MANY_STEPS * resolution(&values) } else { 0.0 };
     let mut found = Vec::new();
     let deviations: Vec<f64> = (0..values.len()).map(|k| deviation(&values, k)).collect();
     let mut workspace = Vec::new();
@@ -77,7 +106,9 @@ fn spikes_in(values: &[f64]) -> Vec<(usize, f64)> {
         let block = &deviations[from..values.len().min(from + BLOCK)];
         let least =
             (THRESHOLD * spread(block, &mut workspace)).max(1e-9 * size(&values[from..from + block.len()]));
-        if block.iter().filter(|own| **own > least).count() > MOST_SUDDEN * block.len() / BLOCK {
+        let least = least.max(resolved);
+        let most = MOST_SUDDEN[usize::from(is_output)] * block.len() / BLOCK;
+        if block.iter().filter(|own| **own > least).count() > most {
             continue;
         }
         for (k, own) in block.iter().enumerate() {
@@ -196,6 +227,12 @@ fn spread(deviations: &[f64], workspace: &mut Vec<f64>) -> f64 {
     *workspace.select_nth_unstable_by(middle, f64::total_cmp).1 / 0.6745
 }
 
+/// Smallest change from row to row; zero where nothing changes.
+fn resolution(values: &[f64]) -> f64 {
+    let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
+    Some(changes.fold(f64::INFINITY, f64::min)).filter(|least| least.is_finite()).unwrap_or(0.0)
+}
+
 /// Largest magnitude.
 fn size(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| value.abs().max(most))
@@ -225,13 +262,13 @@ mod tests {
         let rows = 6000;
         for level in [0.0, 0.02, 0.2] {
             let clean: Vec<f64> = (0..rows).map(|k| moving(k) + level * noise(k)).collect();
-            assert_eq!(spikes_in(&clean), [], "{level}");
+            assert_eq!(spikes_in(&clean, Role::Input), [], "{level}");
             let mut spiked = clean.clone();
             let at = [50, 777, 783, 1500, 1501, 2047, 4000, 5990];
             for (i, k) in at.into_iter().enumerate() {
                 spiked[k] += if i % 3 == 0 { -20.0 } else { 8.0 + i as f64 };
             }
-            let found = spikes_in(&spiked);
+            let found = spikes_in(&spiked, Role::Input);
             assert!(found.iter().map(|(k, _)| *k).eq(at), "{level}: {found:?}");
             let error = found.iter().map(|(k, value)| (value - clean[*k]).abs()).fold(0.0, f64::max);
             assert!(error < 0.05 + 8.0 * level, "{level}: {error}");
@@ -250,9 +287,24 @@ mod tests {
         for (i, shape) in shapes.into_iter().enumerate() {
             for level in [0.0, 1e-3, 0.02, 0.1] {
                 let values: Vec<f64> = (0..8000).map(|k| shape(k) + level * noise(k)).collect();
-                let found = spikes_in(&values);
-                assert_eq!(found, [], "shape {i}, noise {level}");
+                for role in [Role::Input, Role::Output] {
+                    let found = spikes_in(&values, role);
+                    assert_eq!(found, [], "shape {i}, noise {level}");
+                }
             }
         }
+    }
+
+    /// One read in sixty fails, as zero or as the end of the range; an encoder's single counts are no failed reads.
+    #[test]
+    fn failed_reads_of_an_output_are_found() {
+        let clean: Vec<f64> = (0..6000).map(|k| moving(k) + 0.02 * noise(k)).collect();
+        let at: Vec<usize> = (40..5900).step_by(61).collect();
+        let mut failing = clean.clone();
+        at.iter().enumerate().for_each(|(i, k)| failing[*k] = if i % 2 == 0 { 0.0 } else { 655.36 });
+        assert!(spikes_in(&failing, Role::Output).iter().map(|(k, _)| k).eq(&at));
+        assert!(spikes_in(&clean, Role::Output).is_empty());
+        let slow: Vec<f64> = (0..6000).map(|k| if k % 40 == 0 { 0.5 } else { 0.0 }).collect();
+        assert_eq!(spikes_in(&slow, Role::Output), []);
     }
 }

@@ -15,7 +15,10 @@ use crate::{
 };
 
 /// Largest half width of the 95 % interval of a determined estimate, as a fraction of the estimate.
-const LARGEST_HALF_WIDTH: f64 = 0.5;
+pub(super) const LARGEST_HALF_WIDTH: f64 = 0.5;
+
+/// Half width of a 95 % interval in standard deviations of a normal distribution.
+pub(super) const QUANTILE: f64 = 1.96;
 
 /// Correlation above which two estimates cannot be distinguished.
 const STRONG_CORRELATION: f64 = 0.9;

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use crate::{between::Between, optimiser::descent::End, preprocessing::mask::LeftOut};
+use crate::{
+    between::Between, optimiser::descent::End, preprocessing::mask::LeftOut, report::suspicion::Suspicion,
+};
 
 /// Version of [`Identification`]'s JSON form.
 pub const SCHEMA: &str = "socam.identification/1";
@@ -154,6 +156,9 @@ pub struct Identification {
     pub fit: Fit,
     /// Whether the model explains the recordings, in units of the sensors' noise; `None` for inverse dynamics.
     pub verdict: Option<Verdict>,
+    /// Effects that the model may leave out, the one that would explain most first; empty where the model explains the recordings, or no
+    /// effect was tried.
+    pub suspicions: Vec<Suspicion>,
     /// Noise levels of the inputs that were used, SI, by channel name; zero where an input was taken as exact; empty for inverse
     /// dynamics.
     #[serde(serialize_with = "as_map")]

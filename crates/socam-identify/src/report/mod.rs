@@ -7,6 +7,7 @@ mod intersample_check;
 mod model_text;
 mod offsets;
 mod sign_check;
+mod suspicion;
 mod verdict;
 mod warnings;
 
@@ -16,6 +17,8 @@ pub use identification::{
     ChannelFit, CombinationEstimate, Explained, Fit, Identification, ParameterEstimate, SCHEMA, Source,
     Verdict,
 };
+
+pub use suspicion::{ParameterChange, Suspicion};
 
 use socam_model::Model;
 
@@ -111,6 +114,7 @@ pub(crate) fn identification(
         nuisance: offsets(problem, &descent.point.nuisance, results, &uncertainty, &weights.scales),
         fit,
         verdict: Some(verdict),
+        suspicions: Vec::new(),
         input_noise_std: input_noise_std(problem.model, &weights.input_std),
         between: problem
             .model

@@ -83,10 +83,10 @@ impl Verdict {
         match self.explained {
             Explained::Yes | Explained::NotJudged => None,
             Explained::InPart => Some(format!(
-                "the model explains these recordings only in part: it leaves {left}; the intervals hold the scatter of the noise, not what the model lacks: `diagnose` says what that is"
+                "the model explains these recordings only in part: it leaves {left}; `diagnose` says what it leaves out"
             )),
             Explained::No => Some(format!(
-                "the model does not explain these recordings: it leaves {left}; its parameters and their intervals mean little: `diagnose` says what it leaves out"
+                "the model does not explain these recordings: it leaves {left}; its parameters mean little: `diagnose` says what it leaves out"
             )),
         }
     }

@@ -109,10 +109,7 @@ fn input_that_cannot_be_used_is_named() {
         refused(&[emps_data()]).contains("motor_speed_rad_s")
             || refused(&[emps_data()]).contains("output_speed_rad_s")
     );
-    let mut fixed = model.clone();
-    fixed.parameters.iter_mut().for_each(|parameter| parameter.fixed = true);
     let data = [bench(TRUTH, 0.1, 0.0, 1)];
-    assert!(Problem::new(&fixed, &data, Options::default()).unwrap_err().to_string().contains("fixed"));
     let known = Options {
         noise: Noise::Given(NoiseLevels { outputs: vec![0.02, 0.01, 0.05], inputs: vec![0.0] }),
         starts: 1,

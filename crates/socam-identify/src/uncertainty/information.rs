@@ -46,12 +46,15 @@ impl Information {
     /// Information of all recordings of a problem; `None` where the model overflows.
     ///
     /// # Errors
-    /// When a recording cannot be read, or the equations cannot be formed.
+    /// When a recording cannot be read, the equations cannot be formed, or no parameter is free.
     pub fn of(
         problem: &Problem<'_>,
         values: &[f64],
         levels: &NoiseLevels,
     ) -> Result<Option<Self>, IdentifyError> {
+        if problem.free.is_empty() {
+            return Err(IdentifyError::NothingFree { model: problem.model.name.clone() });
+        }
         let noise_model = NoiseModel::new(&[problem], values, levels.clone())?;
         let weights = noise_model.weights(problem, values);
         let scales = weights.scales.clone();

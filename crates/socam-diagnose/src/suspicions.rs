@@ -1,0 +1,87 @@
+//! Which effects a fitted model may leave out, and what its parameters would be with each of them: one score test, without a search.
+
+use socam_identify::{
+    Identification, Options, ParameterChange, Problem, Suspicion,
+    comparison::{self, NoiseModel},
+};
+use socam_model::Model;
+use socam_recording::Dataset;
+
+use crate::{
+    candidates,
+    diagnose::levels,
+    error::DiagnoseError,
+    preprocessing::{connected, preprocessed},
+    scales::Scales,
+    score_test::{self, RankedCandidate},
+};
+
+/// Least gain of a suspected effect, as a share of the largest gain of any. Others may act as well, but explain the data less.
+const PLAUSIBLE: f64 = 0.3;
+/// Largest family-wise p-value of a suspected effect.
+const SIGNIFICANT: f64 = 0.05;
+
+/// Effects that `model` may leave out at the fit `found` to `datasets`, the one that would explain most first, with the change of every
+/// free parameter that goes with it. Empty where no effect of the catalogue is significant. `options` are those of the fit.
+///
+/// # Method
+/// The score test of every effect at every place under the noise levels of the fit. A suspected effect explains at least a third of what
+/// the best one does. The changes are those of one linear step of effect and parameters together.
+///
+/// # Errors
+/// When a recording cannot be read.
+///
+/// # Breaks when
+/// The effect is large: its size and the changes are linearised at the fit. Two effects that only together explain the data are not found.
+pub fn suspicions(
+    model: &Model,
+    datasets: &[Dataset],
+    found: &Identification,
+    options: &Options,
+) -> Result<Vec<Suspicion>, DiagnoseError> {
+    let mut settled = model.clone();
+    found.state_between(&mut settled)?;
+    let model = &settled;
+    let (datasets, _) = connected(model, datasets)?;
+    let levels = levels(model, found);
+    let (datasets, _) = preprocessed(model, &datasets, &found.point, &levels, options)?;
+    let problem = Problem::new(model, &datasets, options.clone())?;
+    let noise = NoiseModel::new(&[&problem], &found.point, levels)?;
+    let Some(at) = comparison::measure(&problem, &noise, &found.point)? else { return Ok(Vec::new()) };
+    let scales = Scales::new(&problem, model, &noise, &at)?;
+    let all = candidates::all(model, &scales);
+    let ranked = score_test::run(model, &datasets, options, &noise, &at, (&scales, &all))?;
+    Ok(plausible(model, &ranked, at.total()))
+}
+
+/// The best grid point of each effect and place that explains much of the squares `total`.
+fn plausible(model: &Model, ranked: &[RankedCandidate], total: f64) -> Vec<Suspicion> {
+    let mut kept: Vec<&RankedCandidate> = Vec::new();
+    for one in ranked.iter().filter(|one| one.possible && one.p_value < SIGNIFICANT) {
+        let most = kept.first().map_or(0.0, |best| best.score.gain);
+        if one.score.gain > PLAUSIBLE * most && !kept.iter().any(|known| known.start.is_same(&one.start)) {
+            kept.push(one);
+        }
+    }
+    kept.into_iter().map(|one| suspicion(model, one, total)).collect()
+}
+
+fn suspicion(model: &Model, one: &RankedCandidate, total: f64) -> Suspicion {
+    let free = model.parameters.iter().filter(|parameter| !parameter.fixed);
+    let changes = free.zip(&one.score.base_step).zip(&one.score.base_std);
+    let (start, explains) = (&one.start, (one.score.gain / total).clamp(0.0, 1.0));
+    Suspicion {
+        effect: start.effect.id.to_owned(),
+        name: start.effect.name.to_owned(),
+        place: start.place.clone(),
+        explains,
+        changes: changes
+            .map(|((parameter, change), std)| ParameterChange {
+                name: parameter.name.clone(),
+                change: *change,
+                std: *std,
+                unit: parameter.unit.clone(),
+            })
+            .collect(),
+    }
+}
