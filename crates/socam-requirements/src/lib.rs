@@ -1,9 +1,11 @@
 //! Requirements of a model on recordings for its identification, for the command `check` and for the dashboard, also in a browser.
 
 use socam_model::{
-    Channel, ChannelTransform, EffectUse, Mode, Model, Quantity, Site, column_unit, effects::Condition,
+    Channel, ChannelTransform, EffectUse, Mode, Model, Quantity, Role, Site, column_unit, effects::Condition,
 };
-use socam_recording::check::{BothWays, CheckOptions, FixedRatio, FreeParameters, Resonance, Speed};
+use socam_recording::check::{
+    AlongShaft, BothWays, CheckOptions, FixedRatio, FreeParameters, Resonance, Speed,
+};
 
 /// Damping ratio above which a mode has no resonance peak.
 const NO_PEAK: f64 = 0.7;
@@ -24,6 +26,7 @@ pub fn of_model(model: &Model, ratio_tolerance: f64) -> CheckOptions {
         units: units(model),
         channels: model.inputs().chain(model.outputs()).map(|channel| channel.column.clone()).collect(),
         ratios: ratios(model, ratio_tolerance),
+        shafts: shafts(model),
         resonances: resonances(model),
         both_ways: both_ways(model).into_iter().collect(),
         free: Some(FreeParameters { parameters, outputs }),
@@ -68,6 +71,31 @@ fn ratios(model: &Model, tolerance: f64) -> Vec<FixedRatio> {
         Some(FixedRatio { fast: speed(fast), slow: speed(slow), ratio, tolerance })
     });
     tied.collect()
+}
+
+/// Speeds beside the angles and torques of their own node.
+fn shafts(model: &Model) -> Vec<AlongShaft> {
+    let all = || model.inputs().chain(model.outputs()).filter(|channel| is_recorded(channel));
+    let of = |channel: &Channel| Speed {
+        channel: channel.column.clone(),
+        scale: channel.scale,
+        offset: channel.offset,
+    };
+    let torques = model.inputs().filter(|input| input.quantity == Quantity::Torque).count();
+    let pair = |speed: &Channel, other: &Channel| match other.quantity {
+        Quantity::Angle => Some(AlongShaft::Angle { speed: of(speed), angle: of(other) }),
+        Quantity::Torque if other.role == Role::Input && torques == 1 => {
+            Some(AlongShaft::Torque { speed: of(speed), torque: of(other) })
+        }
+        _ => None,
+    };
+    let speeds = all().filter(|channel| channel.quantity == Quantity::Speed);
+    speeds
+        .flat_map(|speed| {
+            let beside = all().filter(|other| other.at == speed.at && other.column != speed.column);
+            beside.filter_map(|other| pair(speed, other)).collect::<Vec<_>>()
+        })
+        .collect()
 }
 
 /// Without a reversal, dry friction and a constant load cannot be distinguished.

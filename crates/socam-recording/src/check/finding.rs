@@ -89,6 +89,10 @@ pub enum Finding {
     MainsHum { channel: String, unit: Unit, frequency_hz: f64, amplitude: f64, harmonics: Vec<u32> },
     /// Two speeds deviate from their fixed ratio.
     RatioBroken { fast: String, slow: String, expected: f64, measured: f64, deviation_percent: f64 },
+    /// A speed is this factor times the derivative of its angle.
+    NotTheDerivative { speed: String, angle: String, factor: f64 },
+    /// A speed falls where the torque that drives it is positive.
+    RunsAgainst { speed: String, torque: String },
 }
 
 impl Finding {

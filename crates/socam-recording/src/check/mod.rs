@@ -8,6 +8,7 @@ mod excitation;
 mod finding;
 mod flat;
 mod held;
+mod motion;
 mod options;
 mod outcome;
 mod probe;
@@ -26,7 +27,8 @@ pub use document::{Document, SCHEMA};
 use excitation::one_way;
 pub use finding::{Finding, HeldAt, Severity};
 pub use held::{Held, Saturation, held, saturations};
-pub use options::{BothWays, CheckOptions, FixedRatio, FreeParameters, Resonance, Speed};
+use motion::MotionFit;
+pub use options::{AlongShaft, BothWays, CheckOptions, FixedRatio, FreeParameters, Resonance, Speed};
 pub use outcome::{ChannelCheck, Check, Verdict};
 use probe::Pass;
 use ratio::RatioFit;
@@ -76,6 +78,7 @@ pub fn check(data: &Dataset, options: &CheckOptions) -> Result<Check> {
         findings.append(&mut found);
     }
     findings.extend(pass.ratios.into_iter().filter_map(RatioFit::finish));
+    findings.extend(pass.motions.into_iter().filter_map(MotionFit::finish));
     findings.extend(options.both_ways.iter().filter_map(|motion| one_way(data, motion, &channels)));
     if input.is_none() && options.input.is_none() {
         findings.push(Finding::InputUnknown);

@@ -14,6 +14,8 @@ pub struct CheckOptions {
     pub units: Vec<(String, String)>,
     /// Fixed ratios between two speeds; checked where both channels exist.
     pub ratios: Vec<FixedRatio>,
+    /// Channels of one shaft whose signs and factors are checked against each other.
+    pub shafts: Vec<AlongShaft>,
     /// Resonances of the model.
     pub resonances: Vec<Resonance>,
     /// Channels that must move in both directions.
@@ -69,12 +71,39 @@ pub struct FixedRatio {
     pub tolerance: f64,
 }
 
-/// A channel that measures a speed.
+/// Two channels of one shaft.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AlongShaft {
+    /// A speed and the angle (or position) whose derivative it is.
+    Angle {
+        /// The speed.
+        speed: Speed,
+        /// The angle.
+        angle: Speed,
+    },
+    /// A speed and the torque (or force) that alone drives it.
+    Torque {
+        /// The speed.
+        speed: Speed,
+        /// The torque.
+        torque: Speed,
+    },
+}
+
+impl AlongShaft {
+    /// Names of both channels, the speed first.
+    pub(super) fn channels(&self) -> [&str; 2] {
+        let (Self::Angle { speed, angle: other } | Self::Torque { speed, torque: other }) = self;
+        [&speed.channel, &other.channel]
+    }
+}
+
+/// A channel with its conversion to SI, most often a speed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Speed {
     /// Name or column of the channel.
     pub channel: String,
-    /// Speed = scale * column + offset.
+    /// Value = scale * column + offset.
     pub scale: f64,
     /// See `scale`.
     pub offset: f64,

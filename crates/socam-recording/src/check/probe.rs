@@ -3,6 +3,7 @@
 use super::excitation::{excitation_of, not_excited};
 use super::finding::{Finding, Severity};
 use super::flat::FlatParts;
+use super::motion::MotionFit;
 use super::options::CheckOptions;
 use super::outcome::ChannelCheck;
 use super::ratio::RatioFit;
@@ -15,10 +16,11 @@ use crate::dataset::{Block, Dataset};
 /// Share of missing values of a channel above which they are a finding.
 const MISSING_SHARE: f64 = 0.001;
 
-/// The probes of all channels and the fits of all ratios.
+/// The probes of all channels and the fits of all ratios and of channels of one shaft.
 pub(super) struct Pass {
     pub(super) probes: Vec<Probe>,
     pub(super) ratios: Vec<RatioFit>,
+    pub(super) motions: Vec<MotionFit>,
 }
 
 impl Pass {
@@ -49,7 +51,11 @@ impl Pass {
             let slow = data.channel_index(&fixed.slow.channel).ok()?;
             Some(RatioFit::new(fixed.clone(), fast, slow))
         });
-        Self { probes, ratios: ratios.collect() }
+        let motions = options.shafts.iter().filter_map(|pair| {
+            let [speed, other] = pair.channels().map(|name| data.channel_index(name).ok());
+            Some(MotionFit::new(pair.clone(), [speed?, other?]))
+        });
+        Self { probes, ratios: ratios.collect(), motions: motions.collect() }
     }
 
     pub(super) fn take(&mut self, block: &Block) {
@@ -64,6 +70,9 @@ impl Pass {
         }
         for ratio in &mut self.ratios {
             ratio.take(block);
+        }
+        for motion in &mut self.motions {
+            motion.take(block);
         }
     }
 }

@@ -91,6 +91,14 @@ impl Finding {
             Self::RatioBroken { fast, slow, expected, measured, deviation_percent } => format!(
                 "`{fast}` over `{slow}` is {measured:.4} on average where the gear says {expected} ({deviation_percent:+.2} %)"
             ),
+            Self::NotTheDerivative { speed, angle, factor } => {
+                format!("`{speed}` is {factor:.4} times the derivative of `{angle}`")
+            }
+            Self::RunsAgainst { speed, torque } => {
+                format!(
+                    "`{speed}` falls where `{torque}`, which drives it, is positive: one of them has the wrong sign"
+                )
+            }
         }
     }
 
@@ -138,6 +146,16 @@ impl Finding {
             }
             Self::MainsHum { .. } => {
                 "shield and earth the sensor, twist its leads, or record with the drive's supply off to compare"
+            }
+            Self::NotTheDerivative { factor, .. } => {
+                return format!(
+                    "state `scale = {:.4}` of that speed in the model's [channels] if the angle is right, or look at its unit and wiring",
+                    1.0 / factor
+                )
+                .into();
+            }
+            Self::RunsAgainst { .. } => {
+                "look at the wiring of the encoder and of the motor, or state `scale = -1` of one of them in the model's [channels]"
             }
             Self::RatioBroken { .. } => {
                 "calibrate both tachometers; if they are right, something slips, or the model's ratio is wrong"

@@ -45,6 +45,7 @@ pub(crate) fn bench() -> CheckOptions {
     CheckOptions {
         input: Some("motor_speed".into()),
         channels: vec!["motor_speed".into(), "output_speed".into()],
+        shafts: Vec::new(),
         ratios: vec![FixedRatio {
             fast: speed("motor_speed"),
             slow: speed("output_speed"),
