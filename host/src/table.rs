@@ -160,7 +160,9 @@ pub(crate) fn noise(result: &Identification) -> String {
         let each = levels.into_iter().map(|(name, std)| format!("{name} {}", number(std)));
         each.collect::<Vec<_>>().join(", ")
     };
-    let outputs = result.fit.channels.iter().map(|(name, fit)| (name, fit.noise_std)).collect();
+    // What the model leaves beyond its sensors' noise is its misfit, and stands in the table above.
+    let sensor = |fit: &ChannelFit| fit.sensor_noise_std.map_or(fit.noise_std, |std| std.min(fit.noise_std));
+    let outputs = result.fit.channels.iter().map(|(name, fit)| (name, sensor(fit))).collect();
     let noisy = result.input_noise_std.iter().filter(|(_, std)| *std > 0.0);
     let inputs: Vec<_> = noisy.map(|(name, std)| (name, *std)).collect();
     let inputs = if inputs.is_empty() { "none".into() } else { list(inputs) };

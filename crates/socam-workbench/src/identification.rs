@@ -88,12 +88,23 @@ pub struct ChannelFit {
     /// Root mean square residual, SI.
     #[serde(deserialize_with = "or_nan")]
     pub rms: f64,
-    /// Noise level that was used, SI.
+    /// Level by which the residuals were weighted, SI.
     #[serde(deserialize_with = "or_nan")]
     pub noise_std: f64,
+    /// Noise of the sensor, SI; `None` in results of earlier versions, and where it is not known.
+    #[serde(default)]
+    pub sensor_noise_std: Option<f64>,
     /// Variance accounted for, per cent.
     #[serde(deserialize_with = "or_nan")]
     pub vaf_percent: f64,
+}
+
+impl ChannelFit {
+    /// Noise of the sensor as far as it is known, SI: without what the model leaves beyond it.
+    #[must_use]
+    pub fn noise(&self) -> f64 {
+        self.sensor_noise_std.map_or(self.noise_std, |std| std.min(self.noise_std))
+    }
 }
 
 /// A number; a channel without measurements has none.

@@ -122,14 +122,14 @@ fn fit(ui: &mut Ui, title: &str, fit: &Fit) {
         |(name, channel), column| match column {
             0 => Key::from(name.as_str()),
             1 => Some(channel.rms).into(),
-            2 => Some(channel.noise_std).into(),
+            2 => Some(channel.noise()).into(),
             _ => Some(channel.vaf_percent).into(),
         },
         |ui, (name, channel), column| {
             let text = match column {
                 0 => return drop(ui.label(name.as_str())),
                 1 => number(channel.rms),
-                2 => number(channel.noise_std),
+                2 => number(channel.noise()),
                 _ => format!("{:.3} %", channel.vaf_percent),
             };
             ui.label(RichText::new(text).monospace());

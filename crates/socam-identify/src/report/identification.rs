@@ -67,8 +67,10 @@ pub struct CombinationEstimate {
 pub struct ChannelFit {
     /// Root mean square of the residual, SI.
     pub rms: f64,
-    /// Noise level that was used, SI.
+    /// Level by which the residuals were weighted, SI: the sensor's noise, or the misfit where the model leaves more.
     pub noise_std: f64,
+    /// Noise of the sensor, SI: stated, or from the fastest content of the channel; `None` where that is filtered, or was not looked at.
+    pub sensor_noise_std: Option<f64>,
     /// 100 rms / standard deviation of the measured channel.
     pub nrmse_percent: f64,
     /// 100 - `nrmse_percent`.

@@ -78,8 +78,10 @@ pub(crate) fn identification(
     warnings.extend(problem.left_out.iter().map(LeftOut::sentence));
     warnings.extend(problem.misfits.iter().cloned());
     warnings.extend(dead_channels(problem.model, &channels));
-    let fit = fit(problem.model, &channels, &weights.noise_std);
-    let verdict = Verdict::new(problem, &channels, results, &weights)?;
+    let sensor_noise = verdict::sensor_noise(problem)?;
+    let mut fit = fit(problem.model, &channels, &weights.noise_std);
+    fit.channels.iter_mut().zip(&sensor_noise).for_each(|((_, own), std)| own.sensor_noise_std = *std);
+    let verdict = Verdict::new(problem, &channels, results, &weights, &sensor_noise);
     let unexplained = verdict.warning(&fit.channels);
     // Further recordings would not help a model that does not explain these.
     let advice = if verdict.explained == Explained::No {
@@ -167,6 +169,7 @@ pub(crate) fn channel_fit(sums: &ChannelSums, noise_std: f64) -> ChannelFit {
     ChannelFit {
         rms,
         noise_std,
+        sensor_noise_std: None,
         nrmse_percent: 100.0 * ratio,
         fit_percent: 100.0 * (1.0 - ratio),
         vaf_percent: 100.0 * (1.0 - ratio * ratio),

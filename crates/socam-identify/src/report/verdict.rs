@@ -16,6 +16,14 @@ const EXPLAINED: [f64; 2] = [1.5, 3.0];
 /// Ratio of residual to noise, and to the channel's standard deviation, above which a channel is not explained.
 const NOT_EXPLAINED: [f64; 2] = [10.0, 0.2];
 
+/// Noise of each output's sensor, SI: stated, or from the fastest content of the channel; `None` where neither says it.
+pub(crate) fn sensor_noise(problem: &Problem<'_>) -> Result<Vec<Option<f64>>, IdentifyError> {
+    let most = input_noise::most(problem)?.outputs;
+    let each = problem.model.outputs().zip(most);
+    let each = each.map(|(channel, most)| channel.noise_std.unwrap_or(most / input_noise::COLOURED));
+    Ok(each.map(|std| Some(std).filter(|std| std.is_finite() && *std > 0.0)).collect())
+}
+
 impl Verdict {
     /// Judges all outputs; the worst one decides.
     pub(crate) fn new(
@@ -23,16 +31,17 @@ impl Verdict {
         channels: &[ChannelSums],
         results: &[SegmentEvaluation],
         weights: &Weights,
-    ) -> Result<Self, IdentifyError> {
-        let floors = input_noise::most(problem)?.outputs;
+        sensor_noise: &[Option<f64>],
+    ) -> Self {
         let inputs_are_noisy = weights.levels().in_the_input();
         let values: f64 = channels.iter().map(|channel| channel.count).sum();
         let whitened = (evaluation::squares(results) / values.max(1.0)).sqrt();
         let mut worst: Option<(Explained, f64, usize, f64, &Channel)> = None;
-        for (index, ((channel, sums), most)) in problem.model.outputs().zip(channels).zip(floors).enumerate()
+        for (index, ((channel, sums), noise_std)) in
+            problem.model.outputs().zip(channels).zip(sensor_noise).enumerate()
         {
-            let noise_std = channel.noise_std.unwrap_or(most / input_noise::COLOURED);
-            if sums.count == 0.0 || sums.spread() == 0.0 || !(noise_std.is_finite() && noise_std > 0.0) {
+            let Some(noise_std) = *noise_std else { continue };
+            if sums.count == 0.0 || sums.spread() == 0.0 {
                 continue;
             }
             // Noise of the inputs is in the residuals, and not in what a prediction from sample to sample leaves.
@@ -44,7 +53,7 @@ impl Verdict {
             }
         }
         let Some((explained, times, index, noise_std, channel)) = worst else {
-            return Ok(Self {
+            return Self {
                 explained: Explained::NotJudged,
                 channel: None,
                 times_noise: None,
@@ -52,12 +61,12 @@ impl Verdict {
                 unit: None,
                 beside_input_noise: false,
                 recording: None,
-            });
+            };
         };
         let segments = problem.segments.iter().zip(results);
         let left = |(_, result): &(_, &SegmentEvaluation)| result.channels[index].rms();
         let most = segments.max_by(|a, b| left(a).total_cmp(&left(b)));
-        Ok(Self {
+        Self {
             explained,
             channel: Some(channel.name.clone()),
             times_noise: Some(times),
@@ -65,7 +74,7 @@ impl Verdict {
             unit: Some(channel.unit),
             beside_input_noise: inputs_are_noisy,
             recording: most.map(|(segment, _)| problem.datasets[segment.recording].name().to_owned()),
-        })
+        }
     }
 
     /// What a reader of the estimates should know; `None` where the model explains the recordings.
