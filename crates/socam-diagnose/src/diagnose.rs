@@ -104,6 +104,7 @@ pub fn diagnose(
     let model = &settled;
     let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
     let path = forward::run(&context, model, &before.point, &levels)?.ok_or_else(diverged)?;
+    options.progress.close();
     options.progress.part("intervals", PART_INTERVALS);
     let choice = FinalChoice::make(&context, path, &before)?;
     options.progress.part("held-out recordings and pictures", PART_PROOF);
