@@ -29,7 +29,7 @@ pub(crate) const DISPLACED: f64 = 2.0;
 /// What the search had not examined when it was ended before its own end.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Unexamined {
-    /// All candidates beside the terms: their score test was not made.
+    /// All candidates beside the terms: their score test on whole recordings was not made.
     Candidates,
     /// These effects and places, whose fits were begun, the first of the score test first.
     Fits(Vec<(&'static str, String)>),

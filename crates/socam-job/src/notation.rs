@@ -29,7 +29,7 @@ pub fn seconds(text: &str) -> Result<f64, String> {
 
 /// A time within which a task shall end, s; zero means no end.
 pub(crate) fn budget(text: &str) -> Result<f64, String> {
-    if text == "0" { Ok(0.0) } else { seconds(text) }
+    if text.parse() == Ok(0.0) { Ok(0.0) } else { seconds(text) }
 }
 
 /// A number to five significant digits.
@@ -194,7 +194,7 @@ mod tests {
         {
             assert!((seconds(text).unwrap() - expected).abs() < 1e-12, "{text}");
         }
-        assert_eq!((budget("0"), budget("2min")), (Ok(0.0), Ok(120.0)));
+        assert_eq!([budget("0"), budget("0.0"), budget("2min")], [Ok(0.0), Ok(0.0), Ok(120.0)]);
         for text in ["-1s", "0s", "ten", "5 years", "", "nan", "inf"] {
             assert!(seconds(text).is_err(), "{text}");
         }

@@ -8,8 +8,8 @@ use crate::selection::Unexamined;
 /// A sentence: when and by what the search was ended, and what was not examined.
 pub(super) fn sentence(how: Cutoff, rest: &Unexamined, is_any_found: bool) -> String {
     let rest = match rest {
-        Unexamined::Candidates if is_any_found => "no further effect was looked for".into(),
-        Unexamined::Candidates => "no effect was looked for".into(),
+        Unexamined::Candidates if is_any_found => "no further effect was tried to its end".into(),
+        Unexamined::Candidates => "no effect was tried to its end".into(),
         Unexamined::Fits(all) => fits(all),
         Unexamined::Curves => "no curve without a law was tried".into(),
         Unexamined::Laws => "no law was fitted in the place of the curve".into(),
@@ -51,8 +51,8 @@ mod tests {
         let fits = [("coulomb_friction", "guide"), ("stribeck_friction", "guide"), ("backlash", "gear")];
         let fits: Vec<(&str, String)> = fits.map(|(effect, place)| (effect, place.to_owned())).into();
         let cases = [
-            (Unexamined::Candidates, false, "no effect was looked for"),
-            (Unexamined::Candidates, true, "no further effect was looked for"),
+            (Unexamined::Candidates, false, "no effect was tried to its end"),
+            (Unexamined::Candidates, true, "no further effect was tried to its end"),
             (
                 Unexamined::Fits(fits.clone()),
                 false,
