@@ -3,15 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use std::time::Duration;
 
 use crate::output;
 
 /// Exit code after an interrupt that ended the process at once: that of a program without a handler, as shells report it.
 const ENDED_AT_ONCE: i32 = 130;
-
-/// Longest time in which a search ends with its best result.
-const SEARCH_ENDS_WITHIN: Duration = Duration::from_secs(10);
 
 /// The process has one handler.
 static LISTENER: OnceLock<Interrupt> = OnceLock::new();
@@ -25,8 +21,6 @@ struct State {
     count: AtomicU32,
     /// Count of interrupts at which the process ends; at zero it never ends.
     last: AtomicU32,
-    /// Counts changes of `last`.
-    changes: AtomicU32,
     /// Whether the command itself prints a message at the earlier interrupts.
     is_answered: AtomicBool,
     /// A file that would otherwise be left half-written when the process ends at once.
@@ -65,27 +59,12 @@ impl Interrupt {
     }
 
     fn set_last(&self, more: u32) {
-        self.0.changes.fetch_add(1, Ordering::Relaxed);
         self.0.last.store(self.count() + more, Ordering::Relaxed);
     }
 
     /// Sets the file to remove if the process ends at once.
     pub(crate) fn unfinished(&self, file: Option<&Path>) {
         *self.0.unfinished.lock().unwrap_or_else(PoisonError::into_inner) = file.map(Into::into);
-    }
-
-    /// Ends the process when a search has not come to its end in time.
-    fn end_late(&self) {
-        let own = self.clone();
-        let changes = self.0.changes.load(Ordering::Relaxed);
-        let wait = move || {
-            std::thread::sleep(SEARCH_ENDS_WITHIN);
-            if own.0.changes.load(Ordering::Relaxed) == changes {
-                own.end(&format!("the search did not end within {} s; ended", SEARCH_ENDS_WITHIN.as_secs()));
-            }
-        };
-        // Without a thread the next interrupt ends the process.
-        let _ = std::thread::Builder::new().name("interrupt".into()).spawn(wait);
     }
 
     /// Ends the process, and removes its unfinished file.
@@ -104,7 +83,6 @@ impl Interrupt {
             self.end("ended at once");
         }
         if last > 0 && !self.0.is_answered.load(Ordering::Relaxed) {
-            self.end_late();
             output::say("\nending with what there is; Ctrl-C once more ends at once");
         }
     }

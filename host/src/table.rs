@@ -53,6 +53,7 @@ pub(crate) fn end(end: End) -> &'static str {
         End::Stalled => "stalled",
         End::IterationLimit => "stopped at the iteration limit",
         End::Interrupted => "interrupted at the best point so far",
+        End::Budget => "ended by its budget at the best point so far",
     }
 }
 

@@ -46,8 +46,19 @@ class Diagnosis:
 
     @property
     def verdict(self) -> str:
-        """`adequate`, `missing_physics` or `unexplained`."""
+        """`adequate`, `missing_physics`, `unexplained`, or `not_judged` where the search was ended before anything was found."""
         return str(self.document["verdict"])
+
+    @property
+    def finished(self) -> bool:
+        """Whether the search came to its own end within `budget_s`. Otherwise more may be missing than was found."""
+        return bool(self.document["finished"])
+
+    @property
+    def unfinished(self) -> str | None:
+        """When the search was ended before its own end, and what was not examined."""
+        how: str | None = self.document.get("unfinished")
+        return how
 
     @property
     def headline(self) -> str:

@@ -87,6 +87,17 @@ class Identification:
         return bool(self.document["converged"])
 
     @property
+    def finished(self) -> bool:
+        """Whether the search came to its own end within `budget_s`. Otherwise the values are those of the best point by then."""
+        return bool(self.document["finished"])
+
+    @property
+    def unfinished(self) -> str | None:
+        """When the search was ended before its own end, and what was not tried."""
+        how: str | None = self.document.get("unfinished")
+        return how
+
+    @property
     def fit(self) -> dict[str, dict[str, float]]:
         """By channel: `rms` and `noise_std` in SI, `fit_percent` and others, running free over all recordings."""
         channels: dict[str, dict[str, float]] = self.document["fit"]["channels"]

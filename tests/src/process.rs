@@ -94,6 +94,18 @@ impl Ran {
         serde_json::from_str(&text).unwrap_or_else(|error| panic!("not one JSON document ({error}): {text}"))
     }
 
+    /// The JSON document of a program whose search was ended before its own end.
+    ///
+    /// # Panics
+    /// When it ended otherwise, or printed anything else.
+    #[must_use]
+    pub fn unfinished_json(self) -> serde_json::Value {
+        assert_eq!(self.code, Some(4), "{}", self.stderr);
+        let document = Self { code: Some(0), ..self }.json();
+        assert_eq!(document["finished"], false);
+        document
+    }
+
     /// The one sentence in which it refused: on stderr, in one line, and nothing on stdout.
     ///
     /// # Panics

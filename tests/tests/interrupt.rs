@@ -1,8 +1,10 @@
-//! Ctrl-C during a fit: the first ends the search with its best result, the second ends it at once and leaves no file half-written.
+//! The end of a search: by `--budget` or by the first Ctrl-C it ends with its best result, marked as unfinished; the second Ctrl-C ends it at once
+//! and leaves no file half-written.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
 
 use socam_tests::bench::BENCH;
 use socam_tests::{Ran, run, socam_host};
@@ -12,19 +14,45 @@ fn searching(folder: &Path) -> Child {
     let recording = folder.join("run.csv");
     std::fs::write(&recording, BENCH.csv(6.0, 1)).unwrap();
     let mut command = socam_host();
-    command.arg("identify").arg(recording).args([
-        "--starts",
-        "1000",
-        "--json",
-        "--progress",
-        "--write-model",
-    ]);
-    command.arg(folder.join("model.toml")).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().unwrap();
-    let said = BufReader::new(child.stderr.as_mut().unwrap()).lines().next().unwrap().unwrap();
+    command.arg("identify").arg(recording).args(["--starts", "1000"]);
+    let (child, said) = begun(command, folder);
     // Starts run side by side: any of them may be the first to say so.
     assert!(said.starts_with("start ") && said.contains(" of 1000, step 0, chi2/n "), "{said}");
     child
+}
+
+/// A command that writes a model and prints JSON, with the first line of its progress.
+fn begun(mut command: Command, folder: &Path) -> (Child, String) {
+    command.args(["--json", "--progress", "--write-model"]).arg(folder.join("model.toml"));
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let said = BufReader::new(child.stderr.as_mut().unwrap()).lines().next().unwrap().unwrap();
+    (child, said)
+}
+
+/// The diagnosis of three recordings of a bench by a model with a damping that is far too large.
+fn diagnosis(folder: &Path) -> Command {
+    let mut command = socam_host();
+    command.arg("diagnose");
+    for seed in 1..=3 {
+        let recording = folder.join(format!("run{seed}.csv"));
+        std::fs::write(&recording, BENCH.csv(6.0, seed)).unwrap();
+        command.arg(recording);
+    }
+    command.args(["--fix", "c5=0.2"]);
+    command
+}
+
+/// What holds of every diagnosis that was ended before its first choice.
+fn assert_not_judged(document: &serde_json::Value, end: &str, how: &str) {
+    assert_eq!(document["schema"], "socam.diagnosis/1");
+    assert_eq!((&document["end"], &document["verdict"]), (&end.into(), &"not_judged".into()));
+    assert_eq!(
+        (&document["findings"], &document["not_found"]),
+        (&serde_json::json!([]), &serde_json::json!([]))
+    );
+    let said = document["unfinished"].as_str().unwrap();
+    assert!(said.starts_with(how) && said.ends_with("no effect was tried to its end."), "{said}");
+    assert!(document["parameters"].as_array().unwrap().iter().any(|own| own["after"].is_number()));
 }
 
 /// Whether the model is half-written.
@@ -44,22 +72,76 @@ fn an_interrupted_search_reports_its_best_point() {
     let folder = tempfile::tempdir().unwrap();
     let child = searching(folder.path());
     interrupt(&child);
-    let result = Ran::from(child.wait_with_output().unwrap()).json();
+    let result = Ran::from(child.wait_with_output().unwrap()).unfinished_json();
     assert_eq!(result["end"], "interrupted");
     assert_eq!(result["converged"], false);
     let warnings = result["warnings"].as_array().unwrap();
     let said = |text: &str| warnings.iter().any(|warning| warning.as_str().unwrap().contains(text));
-    assert!(said("the search was interrupted"), "{warnings:?}");
+    assert!(said("the search was interrupted after"), "{warnings:?}");
+    let not_tried = result["unfinished"].as_str().unwrap();
+    assert!(not_tried.contains(" of 1000 starts were not tried"), "{not_tried}");
     let determined = result["parameters"].as_array().unwrap().iter().filter(|p| p["identifiable"] == true);
     assert!(determined.clone().count() > 0 && determined.clone().all(|p| p["std"].as_f64().unwrap() > 0.0));
     let model = folder.path().join("model.toml");
-    assert!(std::fs::read_to_string(&model).unwrap().contains("interrupted search"));
+    assert!(std::fs::read_to_string(&model).unwrap().contains("unfinished search"));
     assert!(!has_part(folder.path()));
     // The fit continues from the file that was written.
     let arguments = ["identify", "--starts", "1", "--model", model.to_str().unwrap(), "--json"];
     let recording = folder.path().join("run.csv");
     let resumed = run(arguments.into_iter().chain([recording.to_str().unwrap()])).json();
-    assert_eq!(resumed["converged"], true);
+    assert_eq!((&resumed["converged"], &resumed["finished"]), (&true.into(), &true.into()));
+    assert!(resumed.get("unfinished").is_none());
+}
+
+#[test]
+fn a_fit_ends_within_its_budget() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("run.csv");
+    std::fs::write(&recording, BENCH.csv(6.0, 1)).unwrap();
+    let with = |budget: &str, more: &[&str]| {
+        let fixed = ["identify", recording.to_str().unwrap(), "--starts", "1000", "--budget", budget];
+        run(fixed.iter().chain(more))
+    };
+    let result = with("1ms", &["--json"]).unfinished_json();
+    assert_eq!((&result["end"], &result["converged"]), (&"budget".into(), &false.into()));
+    let text = with("1ms", &[]);
+    let first = text.stdout.lines().next().unwrap();
+    assert!(
+        first.starts_with("The search was ended after ") && first.contains("999 of 1000 starts"),
+        "{first}"
+    );
+    assert!(!text.stderr.contains("the search was ended"), "said twice: {}", text.stderr);
+    assert!(with("never", &[]).refusal(2).contains("--budget"));
+}
+
+#[test]
+fn a_diagnosis_ends_within_its_budget() {
+    let folder = tempfile::tempdir().unwrap();
+    let within = |budget: &str| {
+        let since = Instant::now();
+        let output = diagnosis(folder.path()).args(["--json", "--budget", budget]).output().unwrap();
+        (Ran::from(output), since.elapsed())
+    };
+    // What remains to be done without any time for the search, on this machine.
+    let (ran, least) = within("1ms");
+    assert_not_judged(&ran.unfinished_json(), "budget", "The search was ended after ");
+    let (ran, elapsed) = within("2s");
+    assert!(elapsed < 3 * (Duration::from_secs(2) + least), "{elapsed:?}, {least:?} without a search");
+    // A machine of another age may finish it.
+    let document = if ran.code == Some(4) { ran.unfinished_json() } else { ran.json() };
+    assert!(document["findings"].is_array());
+}
+
+#[test]
+fn an_interrupted_diagnosis_says_what_it_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let (child, _) = begun(diagnosis(folder.path()), folder.path());
+    interrupt(&child);
+    let document = Ran::from(child.wait_with_output().unwrap()).unfinished_json();
+    assert_not_judged(&document, "interrupted", "The search was interrupted after ");
+    let model = std::fs::read_to_string(folder.path().join("model.toml")).unwrap();
+    assert!(model.contains("unfinished diagnosis"), "{model}");
+    assert!(!has_part(folder.path()));
 }
 
 #[test]

@@ -6,13 +6,15 @@ mod not_found;
 mod parameters;
 mod recordings;
 mod rivals;
+mod unfinished;
 
-use socam_identify::IdentifyError;
+use socam_identify::{Cause, IdentifyError};
 
 use crate::{
     Diagnosis,
     document::{
-        Finding, FindingEvidence, HeldOut, ProofOutcome, Region, SCHEMA, UNEXPLAINED, Validation, Verdict,
+        Finding, FindingEvidence, HeldOut, ProofOutcome, Region, SCHEMA, SearchEnd, UNEXPLAINED, Validation,
+        Verdict,
     },
     proof::Outcome,
     selection::{EXCESS, Path},
@@ -31,7 +33,12 @@ pub const INADEQUATE: f64 = 1.2;
 pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, IdentifyError> {
     let Inputs { context, path, before, after, floor, .. } = *inputs;
     let mut findings = findings::findings(inputs)?;
-    if findings.is_empty() {
+    let cutoff = context.fit.progress.cutoff();
+    let cutoff = path.unexamined.as_ref().zip(cutoff);
+    let unfinished = cutoff.map(|(rest, how)| unfinished::sentence(how, rest, !findings.is_empty()));
+    let is_finished = unfinished.is_none();
+    // A search that was cut off may not say that nothing explains a misfit.
+    if findings.is_empty() && is_finished {
         findings.extend(contradiction(path, floor));
     }
     let is_material = |finding: &Finding| finding.evidence.material != Some(false);
@@ -39,8 +46,10 @@ pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, Ide
         Verdict::MissingPhysics
     } else if findings.iter().any(is_material) {
         Verdict::Unexplained
-    } else {
+    } else if is_finished {
         Verdict::Adequate
+    } else {
+        Verdict::NotJudged
     };
     let mut warnings = after.warnings.clone();
     warnings.extend(cautions(inputs, &findings));
@@ -61,7 +70,14 @@ pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, Ide
         fit: recordings::fit(inputs),
         parameters: parameters::parameters(before, after),
         combinations: parameters::combinations(before, after),
-        not_found: not_found::not_found(path),
+        // What was tested before the search was ended may be found by the steps that were not made.
+        not_found: if is_finished { not_found::not_found(path) } else { Vec::new() },
+        finished: is_finished,
+        end: cutoff.map_or(SearchEnd::Completed, |(_, how)| match how.cause {
+            Cause::Budget => SearchEnd::Budget,
+            Cause::Interrupt => SearchEnd::Interrupted,
+        }),
+        unfinished,
         cpu_s,
         warnings,
         model: path.base.model.name.clone(),

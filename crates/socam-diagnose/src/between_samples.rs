@@ -14,16 +14,23 @@ const ITERATIONS: [usize; 2] = [3, 12];
 const WORTH_CONTINUING: f64 = 100.0;
 
 impl Path {
-    /// Takes the behaviour of each open input that fits best, and removes effects that gain nothing under it.
+    /// Takes the behaviour of each open input that fits best, and removes effects that gain nothing under it. Nothing is changed by fits
+    /// during which the search was ended.
     pub(crate) fn settle_inputs(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
         let mut has_changed = false;
         for input in &context.open_inputs {
+            if context.stops() {
+                break;
+            }
             let Some((kind, fitted)) = self.better_kind(context, input)? else { continue };
             let Some(base) = with_kind(&self.base.model, input, kind) else { continue };
             let from = Some((&self.base.model, &self.base.at));
             let Some(base) = context.fitted(&base, &self.base.at.values, from, &self.noise)? else {
                 continue;
             };
+            if context.stops() {
+                break;
+            }
             (self.base, self.last) = (base, fitted);
             self.priors.base = self.base.model.clone();
             has_changed = true;

@@ -29,7 +29,8 @@ pub(crate) struct Choice {
 }
 
 /// Fits the candidates `tried` (with their p-values) and chooses one. With `scales`, faults of single sensors and large starts are tried
-/// too if the residuals stay large. `None` where no candidate predicts better than the last model by more than a standard error.
+/// too if the residuals stay large. `None` where no candidate predicts better than the last model by more than a standard error, or the search
+/// was ended.
 pub(crate) fn best(
     context: &Context<'_>,
     path: &Path,
@@ -39,6 +40,9 @@ pub(crate) fn best(
     let (mut large, mut tried): (Vec<_>, Vec<_>) =
         tried.iter().cloned().partition(|(candidate, _)| candidate.begins_large);
     let mut finalists = halving::run(context, &path.last, &starts(&tried), &path.noise)?;
+    if context.stops() {
+        return Ok(None);
+    }
     // Large starts cost the most iterations: they are tried only where the residuals of every small start stay far above the noise.
     let leader = finalists.iter().map(|one| &one.at).min_by(|a, b| a.total().total_cmp(&b.total()));
     let leader = leader.filter(|leader| leader.total() < path.last.deviance()).unwrap_or(&path.last.at);
@@ -63,7 +67,8 @@ pub(crate) fn best(
     among(context, path, &tried, &finalists)
 }
 
-/// Chooses among candidates that were fitted under the path's noise model. `tried` holds the candidates, with their p-values.
+/// Chooses among candidates that were fitted under the path's noise model. `tried` holds the candidates, with their p-values. `None` where
+/// the search was ended: some fits are then far from their end, and the comparison of such fits would choose by chance.
 pub(crate) fn among(
     context: &Context<'_>,
     path: &Path,
@@ -71,7 +76,7 @@ pub(crate) fn among(
     finalists: &[Finalist],
 ) -> Result<Option<Choice>, IdentifyError> {
     let least = |a: &&Finalist, b: &&Finalist| a.at.total().total_cmp(&b.at.total());
-    let Some(leader) = finalists.iter().min_by(least) else { return Ok(None) };
+    let Some(leader) = finalists.iter().min_by(least).filter(|_| !context.stops()) else { return Ok(None) };
     let noise = context.noise_at(&leader.model, &leader.at, path.noise.levels())?;
     let noise = noise.unwrap_or_else(|| path.noise.clone());
     let Some(before) = context.compared(&path.last.model, &path.last.at, &noise)? else { return Ok(None) };
@@ -79,7 +84,11 @@ pub(crate) fn among(
         .par_iter()
         .map(|one| Ok(context.compared(&one.model, &one.at, &noise)?.map(|fitted| (one.index, fitted))));
     let refitted: Result<Vec<Option<(usize, FittedModel)>>, IdentifyError> = refitted.collect();
-    let fits = refitted?.into_iter().flatten();
+    let refitted = refitted?;
+    if context.stops() {
+        return Ok(None);
+    }
+    let fits = refitted.into_iter().flatten();
     // A fit outside the support of a prior is not a candidate.
     let fits: Vec<(usize, FittedModel)> =
         fits.filter(|(_, fitted)| path.priors.log_prior(fitted).is_finite()).collect();

@@ -92,6 +92,12 @@ impl<'a> Context<'a> {
         self.training.iter().any(|dataset| dataset.segments().len() > MANY_SEGMENTS)
     }
 
+    /// Whether the search was ended. Descents then stay where they are, and nothing may be decided by their fits: what was decided before
+    /// stays.
+    pub(crate) fn stops(&self) -> bool {
+        self.fit.progress.stops()
+    }
+
     /// The fit of a model to all training recordings.
     pub(crate) fn problem<'m>(&'m self, model: &'m Model) -> Result<Problem<'m>, IdentifyError> {
         Problem::new(model, self.training, self.fit.clone())

@@ -45,6 +45,9 @@ pub struct Answer {
 ///
 /// Held-out recordings are opened after the last choice. If one cannot be used, the answer has a warning in place of a proof.
 ///
+/// A search that the progress monitor ends makes no further choice: what was found so far gets its intervals and its proof, and the answer says
+/// that it is unfinished, and what was not examined.
+///
 /// # Method
 /// Forward stepwise selection. A score test at the last fit ranks the candidates; a wild bootstrap over blocks gives family-wise p-values
 /// (V. Chernozhukov, D. Chetverikov, K. Kato, Ann. Stat. 41, 2013). Candidates are fitted by successive halving (K. Jamieson and
@@ -104,6 +107,7 @@ pub fn diagnose(
     let model = &settled;
     let diverged = || DiagnoseError::Diverged { model: model.name.clone() };
     let path = forward::run(&context, model, &before.point, &levels)?.ok_or_else(diverged)?;
+    options.progress.close();
     options.progress.part("intervals", PART_INTERVALS);
     let choice = FinalChoice::make(&context, path, &before)?;
     options.progress.part("held-out recordings and pictures", PART_PROOF);
@@ -115,7 +119,8 @@ pub fn diagnose(
     }
     let (path, after) = (choice.path(), choice.estimates());
     let corrected = &path.last.model;
-    let model_toml = corrected.text_with(&updates(corrected, after))?;
+    let source = if path.unexamined.is_none() { "diagnosis" } else { "unfinished diagnosis" };
+    let model_toml = corrected.text_with(&updates(corrected, after, source))?;
     let step_s = training.first().map_or(1e-3, Dataset::sample_time_s);
     let pairs = Pair::all(&context, path, proof)?;
     let (levels, whole) = (path.levels(&context)?, path.whole());
@@ -157,8 +162,8 @@ pub(crate) fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
     NoiseLevels { outputs, inputs: model.inputs().map(|input| own(&input.name)).collect() }
 }
 
-/// The free parameters' estimates as updates of a model file.
-fn updates(model: &Model, fit: &Identification) -> Vec<Update> {
+/// The free parameters' estimates as updates of a model file; `source` is where they are from.
+fn updates(model: &Model, fit: &Identification, source: &str) -> Vec<Update> {
     let free = model.parameters.iter().zip(&fit.parameters).zip(&fit.point);
     free.filter(|((parameter, _), _)| !parameter.fixed)
         .map(|((parameter, estimate), value)| Update {
@@ -168,7 +173,7 @@ fn updates(model: &Model, fit: &Identification) -> Vec<Update> {
                 [Some(low), Some(high)] if estimate.identifiable => Some([low, high]),
                 _ => None,
             },
-            source: "diagnosis".into(),
+            source: source.into(),
         })
         .collect()
 }

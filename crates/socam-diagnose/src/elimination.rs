@@ -23,6 +23,9 @@ impl Path {
     pub(crate) fn eliminate(&mut self, context: &Context<'_>, first: usize) -> Result<(), IdentifyError> {
         for index in (0..first).rev() {
             let Some(without) = self.fitted_without(context, index)? else { continue };
+            if context.stops() {
+                break;
+            }
             let gained = self.gain(&self.last, &without);
             if gained.log_score <= gained.std {
                 self.remove(context, index, without)?;
@@ -89,6 +92,9 @@ impl Path {
                 continue;
             }
             let Some(fitted) = context.fitted(&model, &values, None, &self.noise)? else { continue };
+            if context.stops() {
+                break;
+            }
             let named = self.clone();
             let curve = curve.clone();
             self.remove(context, index, fitted)?;
@@ -105,6 +111,9 @@ impl Path {
         for simpler in nested::simpler_laws(self, index) {
             let Some((model, values)) = self.start_with(index, &simpler) else { continue };
             let Some(fitted) = context.fitted(&model, &values, None, &self.noise)? else { continue };
+            if context.stops() {
+                break;
+            }
             let gained = self.gain(&self.last, &fitted);
             if gained.log_score <= gained.std.max(self.least_gain_over(index, &simpler)) {
                 self.last = fitted;
@@ -129,7 +138,7 @@ impl Path {
     pub(crate) fn upgrade(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
         for index in 0..self.terms.len() {
             let excess = self.noise.excess();
-            if excess > RETRY_SHARE * self.terms[index].excess_at_upgrade {
+            if excess > RETRY_SHARE * self.terms[index].excess_at_upgrade || context.stops() {
                 continue;
             }
             self.terms[index].excess_at_upgrade = excess;
@@ -150,7 +159,7 @@ impl Path {
         index: usize,
         starts: Vec<Candidate>,
     ) -> Result<(), IdentifyError> {
-        if self.noise.excess() < EXCESS {
+        if self.noise.excess() < EXCESS || context.stops() {
             return Ok(());
         }
         let Some((candidate, model, at)) = self.best_of(context, index, starts)? else { return Ok(()) };
@@ -158,7 +167,7 @@ impl Path {
         let noise = noise.unwrap_or_else(|| self.noise.clone());
         let after = context.fitted(&model, &at.values, Some((&model, &at)), &noise)?;
         let before = context.compared(&self.last.model, &self.last.at, &noise)?;
-        let Some((after, before)) = after.zip(before) else { return Ok(()) };
+        let Some((after, before)) = after.zip(before).filter(|_| !context.stops()) else { return Ok(()) };
         let gained = self.gain(&after, &before);
         if gained.log_score <= gained.std.max(self.least_gain_over(index, &candidate)) {
             return Ok(());

@@ -2,7 +2,11 @@
 
 use socam_identify::{Identification, IdentifyError};
 
-use crate::{context::Context, intervals, selection::Path};
+use crate::{
+    context::Context,
+    intervals,
+    selection::{Path, Unexamined},
+};
 
 /// The selection after its last choice. Held-out recordings can be opened only with this value.
 pub(crate) struct FinalChoice {
@@ -19,6 +23,9 @@ impl FinalChoice {
     ) -> Result<Self, IdentifyError> {
         let estimates = determined(context, &mut path, before)?;
         path.test_last(context)?;
+        if context.stops() {
+            path.unexamined.get_or_insert(Unexamined::Comparisons);
+        }
         Ok(Self { path, estimates })
     }
 
@@ -34,7 +41,8 @@ impl FinalChoice {
 }
 
 /// Removes terms whose amplitude the recordings do not determine, the latest first, until every term is determined. Sets each remaining
-/// term's gain over the model without it. Returns the estimates of the remaining model.
+/// term's gain over the model without it. Returns the estimates of the remaining model. Once the search is ended, models without a term are
+/// no more fitted: a term that they would remove stays if the recordings move far off without it.
 fn determined(
     context: &Context<'_>,
     path: &mut Path,
@@ -48,9 +56,11 @@ fn determined(
         for term in (0..path.terms.len()).rev().filter(|term| !intervals::is_determined(path, *term, &found))
         {
             let near = path.fitted_without(context, term)?;
-            if let Some(without) =
-                near.map_or_else(|| path.refitted_without(context, term), |near| Ok(Some(near)))?
-            {
+            let without = match near {
+                None if !context.stops() => path.refitted_without(context, term)?,
+                near => near,
+            };
+            if let Some(without) = without {
                 path.remove(context, term, without)?;
                 continue 'determined;
             }

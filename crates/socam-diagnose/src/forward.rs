@@ -16,7 +16,7 @@ use crate::{
     plausibility::PriorKnowledge,
     scales::Scales,
     score_test,
-    selection::{DISPLACED, Path},
+    selection::{DISPLACED, Path, Unexamined},
 };
 
 /// Number of steps beyond the largest number of effects, for further orders of periodic effects: all orders at one place are one effect.
@@ -51,7 +51,7 @@ pub(crate) fn begin(
     let Some((base, noise)) = base(context, model, values, levels)? else { return Ok(None) };
     let priors = PriorKnowledge { base: model.clone(), rig: Rig::of_model(model, &base.at.values) };
     let (last, terms, tests) = (base.clone(), Vec::new(), Vec::new());
-    Ok(Some(Path { last, base, terms, priors, noise, tests, unexplained: None }))
+    Ok(Some(Path { last, base, terms, priors, noise, tests, unexplained: None, unexamined: None }))
 }
 
 /// The base model at its fit under its own noise model.
@@ -74,28 +74,43 @@ impl Path {
     /// Adds effects until none predicts better.
     fn extended(mut self, context: &Context<'_>) -> Result<Self, IdentifyError> {
         for _ in 0..context.options.most_effects + MORE_ORDERS {
-            if !self.extend(context)? {
+            if context.stops() {
+                self.unexamined = Some(Unexamined::Candidates);
+            }
+            if self.unexamined.is_some() || !self.extend(context)? {
                 break;
             }
         }
         Ok(self)
     }
 
-    /// One step: adds the effect that predicts best, if one predicts better than the last model. Returns whether an effect was added.
+    /// One step: adds the effect that predicts best, if one predicts better than the last model. Returns whether an effect was added. A
+    /// choice during which the search was ended is not made.
     fn extend(&mut self, context: &Context<'_>) -> Result<bool, IdentifyError> {
         self.begin_part(context, "score test of the candidates", 0.0);
         self.settle_inputs(context)?;
         let scales = self.test(context)?;
+        if context.stops() {
+            self.unexamined = Some(Unexamined::Candidates);
+        }
         if self.tests.is_empty() {
             return Ok(false);
         }
         self.begin_part(context, "fits of the candidates", 0.3);
         let tried = self.worth_trying(context.options.false_alarm_rate);
         let mut named = choice::best(context, self, &tried, Some(&scales))?;
+        if context.stops() {
+            self.unexamined = Some(Unexamined::fits(&tried));
+            return Ok(false);
+        }
         let is_any_significant = !tried.is_empty();
         self.begin_part(context, "curves without a law", 0.7);
         self.unexplained =
             nonparametric::competing(context, self, &scales, named.as_ref(), is_any_significant)?;
+        if context.stops() {
+            // The effect was chosen among all candidates; only the curves did not compete with it.
+            (self.unexplained, self.unexamined) = (None, Some(Unexamined::Curves));
+        }
         if let Some(curve) = &self.unexplained {
             let mut overlooked = self.overlooked(curve, &tried);
             // The effect chosen before the curve was fitted competes again.
@@ -108,6 +123,10 @@ impl Path {
                 Some(late) if !curve.beats(context, self, &late)? => Some(late),
                 _ => self.first_of_two(context, curve)?,
             };
+            if context.stops() {
+                self.unexamined = Some(Unexamined::Laws);
+                return Ok(false);
+            }
             if named.is_none() {
                 self.replace_by_curve(context)?;
                 return Ok(false);
@@ -180,12 +199,16 @@ impl Path {
         }
         self.tests =
             score_test::run(model, context.training, &context.fit, &self.noise, at, (&scales, &all))?;
+        if context.stops() {
+            // The p-values hold for all candidates together, and some may not have been tested.
+            self.tests.clear();
+        }
         Ok(scales)
     }
 
-    /// Score test of the last model, unless it was made.
+    /// Score test of the last model, unless it was made or the search was ended.
     pub(crate) fn test_last(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
-        if self.tests.is_empty() {
+        if self.tests.is_empty() && !context.stops() {
             self.test(context)?;
         }
         Ok(())
@@ -212,11 +235,17 @@ impl Path {
         let was = self.noise.excess();
         self.terms.push(choice.term);
         self.noise = choice.noise;
-        self.last = if was < DISPLACED { choice.fitted } else { restarted(context, self, choice.fitted)? };
+        self.last = choice.fitted;
+        self.tests.clear();
+        if context.stops() {
+            return Ok(());
+        }
+        if was >= DISPLACED {
+            self.last = restarted(context, self, self.last.clone())?;
+        }
         self.renew_noise(context)?;
         self.upgrade(context)?;
         self.simplify(context, self.terms.len() - 1)?;
-        self.tests.clear();
         self.eliminate(context, self.terms.len() - 1)
     }
 

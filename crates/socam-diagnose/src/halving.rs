@@ -77,7 +77,7 @@ pub(crate) fn run_large(
     })
 }
 
-/// Starts all candidates with `begin`, then continues those that keep up, round by round.
+/// Starts all candidates with `begin`, then continues those that keep up, round by round, until the search is ended.
 fn successive_halving(
     context: &Context<'_>,
     before: &FittedModel,
@@ -86,12 +86,18 @@ fn successive_halving(
     begin: impl Fn(&Candidate) -> Result<Option<(Model, Evaluation)>, IdentifyError> + Sync,
 ) -> Result<Vec<Finalist>, IdentifyError> {
     let begun = tried.par_iter().enumerate().map(|(index, candidate)| {
+        if context.stops() {
+            return Ok(None);
+        }
         let begun = begin(candidate)?;
         Ok(begun.map(|(model, at)| Contender { index, model, at, done: false }))
     });
     let begun: Result<Vec<Option<Contender>>, IdentifyError> = begun.collect();
     let mut contenders: Vec<Contender> = begun?.into_iter().flatten().collect();
     for round in 0..ROUNDS {
+        if context.stops() {
+            break;
+        }
         keep_up(&mut contenders, tried, before.deviance(), KEEPING_UP[round.min(1)]);
         let next = contenders.into_par_iter().map(|contender| continued(context, contender, noise));
         contenders = next.collect::<Result<_, IdentifyError>>()?;
@@ -190,7 +196,7 @@ fn continued(
     noise: &NoiseModel,
 ) -> Result<Contender, IdentifyError> {
     let Contender { index, model, at, done } = contender;
-    if done {
+    if done || context.stops() {
         return Ok(Contender { index, model, at, done });
     }
     let round = (comparison::COARSE, ROUND_ITERATIONS);

@@ -25,7 +25,7 @@ impl Path {
     /// The first effect that short parts of the recordings show, fitted to whole recordings. `None` if the base model is already near the
     /// data, or if the model with that effect is not.
     pub(crate) fn by_short_horizons(&self, context: &Context<'_>) -> Result<Option<Self>, IdentifyError> {
-        if self.noise.excess() < FAR_BEYOND_NOISE {
+        if self.noise.excess() < FAR_BEYOND_NOISE || context.stops() {
             return Ok(None);
         }
         let longest = context.training.iter().map(|dataset| dataset.rows() as usize / LEAST_PARTS).max();
@@ -49,6 +49,9 @@ impl Path {
         let begun = forward::begin(&short, model, &model.values(), self.noise.levels())?;
         let Some(mut path) = begun else { return Ok(None) };
         path.test(&short)?;
+        if context.stops() {
+            return Ok(None);
+        }
         let mut tried = path.worth_trying(context.options.false_alarm_rate);
         tried.retain(|(candidate, _)| !candidate.begins_large);
         let Some(choice) = choice::best(&short, &path, &tried, None)? else { return Ok(None) };

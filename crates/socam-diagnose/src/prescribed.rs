@@ -35,7 +35,7 @@ impl Path {
     /// The first effect found by regression of the torque, fitted to whole recordings. `None` if the base model is near the data or has
     /// more coordinates, or if no effect brings it near.
     pub(crate) fn by_prescribed_motion(&self, context: &Context<'_>) -> Result<Option<Self>, IdentifyError> {
-        if self.noise.excess() < FAR_BEYOND_NOISE {
+        if self.noise.excess() < FAR_BEYOND_NOISE || context.stops() {
             return Ok(None);
         }
         let Some(motion) = PrescribedMotion::read(&self.base.model, context.training)? else {
@@ -43,6 +43,9 @@ impl Path {
         };
         let mut path = self.clone();
         path.test(context)?;
+        if context.stops() {
+            return Ok(None);
+        }
         let regressed = path.regressed(&motion);
         let fits = regressed.par_iter().enumerate().map(|(index, one)| {
             let problem = context.problem(&one.model)?;

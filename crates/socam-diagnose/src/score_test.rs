@@ -53,7 +53,7 @@ pub(crate) struct RankedCandidate {
 
 /// Score test of all candidates at a model's fit `at`, the largest gain first. A candidate with a non-null linearisation point costs a
 /// nonlinear evaluation. It is therefore tested first on the one recording with the largest torque at its place, and on all only if it
-/// gains there.
+/// gains there. Once the search is ended no further candidate is tested, and the result is of no use.
 pub(crate) fn run(
     model: &Model,
     datasets: &[Dataset],
@@ -78,6 +78,9 @@ pub(crate) fn run(
     batches.extend(by_kind(structural));
     let whole = Problem::of_known(model, datasets, options.clone())?;
     let each = batches.par_iter().map(|batch| {
+        if options.progress.stops() {
+            return Ok(Vec::new());
+        }
         let on_all = || scored_batch(model, datasets, options, noise_model, at, batch);
         let spring = model.springs.iter().position(|spring| spring.name == batch[0].place);
         let (true, Some(spring)) = (batch[0].has_nonnull_linearisation(), spring) else { return on_all() };

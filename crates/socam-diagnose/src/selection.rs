@@ -26,6 +26,35 @@ pub(crate) const EXCESS: f64 = 1.05;
 /// the file's values: missing physics may have displaced the base parameters too far for a fit to return.
 pub(crate) const DISPLACED: f64 = 2.0;
 
+/// What the search had not examined when it was ended before its own end.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Unexamined {
+    /// All candidates beside the terms: their score test on whole recordings was not made.
+    Candidates,
+    /// These effects and places, whose fits were begun, the first of the score test first.
+    Fits(Vec<(&'static str, String)>),
+    /// Curves without a law.
+    Curves,
+    /// Effects that are to take the place of a curve without a law.
+    Laws,
+    /// What the model predicts without each term.
+    Comparisons,
+}
+
+impl Unexamined {
+    /// The effects and places of candidates, each once.
+    pub(crate) fn fits(tried: &[(Candidate, f64)]) -> Self {
+        let mut all: Vec<(&'static str, String)> = Vec::new();
+        for (candidate, _) in tried {
+            let one = (candidate.effect.id, candidate.place.clone());
+            if !all.contains(&one) {
+                all.push(one);
+            }
+        }
+        Self::Fits(all)
+    }
+}
+
 /// An effect that was added.
 #[derive(Debug, Clone)]
 pub(crate) struct Term {
@@ -55,6 +84,8 @@ pub(crate) struct Path {
     pub(crate) tests: Vec<RankedCandidate>,
     /// The nonparametric term, if one was found.
     pub(crate) unexplained: Option<Unexplained>,
+    /// What was not examined, where the search was ended before its own end.
+    pub(crate) unexamined: Option<Unexamined>,
 }
 
 impl Path {

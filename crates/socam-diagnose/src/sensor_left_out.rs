@@ -43,7 +43,7 @@ impl Path {
         scales: &Scales,
         left: f64,
     ) -> Result<Vec<FittedFault>, IdentifyError> {
-        if left < GROSS || !self.terms.is_empty() {
+        if left < GROSS || !self.terms.is_empty() || context.stops() {
             return Ok(Vec::new());
         }
         let outputs = self.last.model.outputs().enumerate();
@@ -62,7 +62,8 @@ impl Path {
         (output, sensor): (usize, &Channel),
     ) -> Result<Vec<FittedFault>, IdentifyError> {
         let model = &self.last.model;
-        let Some(at) = self.fitted_without_sensor(context, sensor)? else { return Ok(Vec::new()) };
+        let at = if context.stops() { None } else { self.fitted_without_sensor(context, sensor)? };
+        let Some(at) = at else { return Ok(Vec::new()) };
         let problem = context.problem(model)?;
         let Some(at) = comparison::measure(&problem, &self.noise, &at.values)? else { return Ok(Vec::new()) };
         let begun = FittedModel { at, ..self.last.clone() };

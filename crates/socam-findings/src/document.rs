@@ -24,6 +24,15 @@ pub struct Diagnosis {
     pub schema: String,
     /// The verdict.
     pub verdict: Verdict,
+    /// Whether the search came to its own end. Otherwise more may be missing than was found.
+    #[serde(default = "completed")]
+    pub finished: bool,
+    /// What ended the search.
+    #[serde(default)]
+    pub end: SearchEnd,
+    /// When and by what the search was ended before its own end, and what was not examined: a sentence.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unfinished: Option<String>,
     /// False alarm rate: share of benches without missing physics on which something would be found, 1.
     pub false_alarm_rate: f64,
     /// Validation of the correction on data that it was not fitted to.
@@ -44,7 +53,7 @@ pub struct Diagnosis {
     /// Combinations that the data determine although they do not determine the parameters.
     #[serde(default)]
     pub combinations: Vec<CombinationChange>,
-    /// Effects that were tested and not found.
+    /// Effects that were tested and not found; empty where the search was ended before its own end.
     pub not_found: Vec<NotFound>,
     /// The next experiment, if it would distinguish rivals.
     pub suggested_experiment: Option<SuggestedExperiment>,
@@ -76,6 +85,26 @@ pub enum Verdict {
     MissingPhysics,
     /// Physics is missing, and no effect of the catalogue explains it.
     Unexplained,
+    /// The search was ended before anything was found.
+    NotJudged,
+}
+
+/// What ended the search of a diagnosis.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SearchEnd {
+    /// No further effect predicts better.
+    #[default]
+    Completed,
+    /// The budget was used up.
+    Budget,
+    /// The user, for example by Ctrl-C.
+    Interrupted,
+}
+
+/// A document without the field is of a version whose searches all came to their end.
+fn completed() -> bool {
+    true
 }
 
 /// How a correction was tried on data that it was not fitted to.

@@ -34,7 +34,7 @@ pub enum Tone {
     Adequate,
     /// Physics is missing, and it has a name.
     Missing,
-    /// Something is missing that has no name.
+    /// Something is missing that has no name, or the search was ended before anything was found.
     Unexplained,
     /// Held-out recordings contradict what was found.
     Contradicted,
@@ -49,7 +49,8 @@ pub struct Headline {
     pub title: String,
     /// One line for each finding, in their order.
     pub claims: Vec<Claim>,
-    /// Sentences about the certainty, the most important first: the proof, the competing explanations, and the remaining misfit.
+    /// Sentences about the certainty, the most important first: a search that was ended before its own end, the proof, the competing
+    /// explanations, and the remaining misfit.
     pub certainty: Vec<String>,
 }
 
@@ -71,6 +72,7 @@ pub fn headline(diagnosis: &Diagnosis) -> Headline {
     let failed = matches!(Proof::of(diagnosis), Proof::Failed(_));
     let tone = match diagnosis.verdict {
         Verdict::Adequate => Tone::Adequate,
+        Verdict::NotJudged => Tone::Unexplained,
         _ if failed => Tone::Contradicted,
         Verdict::MissingPhysics => Tone::Missing,
         Verdict::Unexplained => Tone::Unexplained,
@@ -119,6 +121,14 @@ fn title(diagnosis: &Diagnosis, tone: Tone) -> String {
         }
         Tone::Missing => format!("Physics is missing: {what}"),
         Tone::Contradicted => format!("Contradicted by the held-out recordings: {what}"),
+        Tone::Unexplained if diagnosis.verdict == Verdict::NotJudged => {
+            "Not judged: the search was ended before anything was found".into()
+        }
+        Tone::Unexplained if !diagnosis.finished => {
+            format!(
+                "Something is missing{at}, and the search was ended before an effect that explains it was found"
+            )
+        }
         Tone::Unexplained => format!("Something is missing{at} that no effect of the catalogue explains"),
     }
 }

@@ -48,6 +48,7 @@ impl Counts {
                 Some(Verdict::Adequate) | None => &mut self.adequate,
                 Some(Verdict::MissingPhysics) => &mut self.missing_physics,
                 Some(Verdict::Unexplained) => &mut self.unexplained,
+                Some(Verdict::NotJudged) => &mut self.failed,
             },
             Status::Unreadable => &mut self.unreadable,
             Status::Unfit => &mut self.unfit,

@@ -117,6 +117,7 @@ pub fn verdict(verdict: Option<Verdict>, of: Status) -> &'static str {
         Some(Verdict::Adequate) => "adequate",
         Some(Verdict::MissingPhysics) => "missing physics",
         Some(Verdict::Unexplained) => "unexplained",
+        Some(Verdict::NotJudged) => "not judged",
         None => status(of),
     }
 }

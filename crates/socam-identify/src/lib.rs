@@ -61,6 +61,7 @@
 
 mod band;
 mod between;
+mod budget;
 pub mod comparison;
 mod error;
 mod evaluation;
@@ -82,6 +83,7 @@ mod tests;
 
 pub use band::{Band, BandFit, evaluate_band};
 pub use between::{Between, BetweenSource};
+pub use budget::{Budget, Cause, Cutoff};
 pub use error::IdentifyError;
 pub use inverse_dynamics::{force_error_percent, inverse_dynamics};
 pub use noise::innovations_filter::NoiseLevels;

@@ -1,8 +1,11 @@
-//! Progress of a fit, and its cancellation.
+//! Progress of a fit, and its end: by its observer or by its budget.
 
 use std::sync::Arc;
 
-use crate::IdentifyError;
+use crate::{
+    IdentifyError,
+    budget::{Budget, Clock, Cutoff},
+};
 
 /// Stage of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,7 +56,8 @@ pub trait Observer: Send + Sync {
     /// Called at each step.
     fn progress(&self, progress: &Progress);
 
-    /// Whether the search shall end at the best point so far; called before each step. Intervals are computed all the same.
+    /// Whether the search shall end at the best point so far; called before each step. Intervals are computed all the same. A search that was
+    /// ended stays ended.
     fn stop(&self) -> bool;
 
     /// Called when a part of a work of several fits begins, with its name and the share of the whole work that is usually done by then, 0
@@ -66,7 +70,7 @@ pub trait Observer: Send + Sync {
     }
 }
 
-/// An optional [`Observer`].
+/// An optional [`Observer`], and the clock of the work's [`Budget`].
 ///
 /// ```
 /// use std::sync::{Arc, atomic::{AtomicUsize, Ordering}};
@@ -91,45 +95,68 @@ pub trait Observer: Send + Sync {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Default)]
-pub struct ProgressMonitor(Option<Arc<dyn Observer>>);
+pub struct ProgressMonitor {
+    observer: Option<Arc<dyn Observer>>,
+    /// `None` where nothing can end the search.
+    clock: Option<Arc<Clock>>,
+}
 
 impl ProgressMonitor {
     /// Reports to `observer`.
     pub fn by(observer: Arc<dyn Observer>) -> Self {
-        Self(Some(observer))
+        Self { observer: Some(observer), clock: Some(Arc::new(Clock::start(Budget::NONE))) }
+    }
+
+    /// The same with a budget, whose time begins now.
+    #[must_use]
+    pub fn within(self, budget: Budget) -> Self {
+        Self { clock: Some(Arc::new(Clock::start(budget))), ..self }
     }
 
     /// Reports the state of the fit.
     pub(crate) fn tell(&self, stage: Stage, step: usize, misfit: Option<f64>) {
-        if let Some(observer) = &self.0 {
+        if let Some(observer) = &self.observer {
             observer.progress(&Progress { stage, step, misfit });
         }
     }
 
     /// Reports that a part of a work of several fits begins; see [`Observer::part`].
     pub fn part(&self, name: &str, done: f64) {
-        if let Some(observer) = &self.0 {
+        if let Some(observer) = &self.observer {
             observer.part(name, done);
         }
     }
 
     /// Returns an error if the work was cancelled.
     pub(crate) fn proceed(&self) -> Result<(), IdentifyError> {
-        match &self.0 {
+        match &self.observer {
             Some(observer) if observer.is_cancelled() => Err(IdentifyError::Cancelled),
             _ => Ok(()),
         }
     }
 
-    /// Whether the search shall end.
-    pub(crate) fn stops(&self) -> bool {
-        self.0.as_ref().is_some_and(|observer| observer.stop())
+    /// Whether the search shall end. What takes long asks before each step; a step that has begun is completed, so that its result is valid.
+    pub fn stops(&self) -> bool {
+        let is_interrupted = self.observer.as_ref().is_some_and(|observer| observer.stop());
+        self.clock.as_ref().is_some_and(|clock| clock.stops(is_interrupted))
+    }
+
+    /// What ended the search before its own end, if anything did.
+    pub fn cutoff(&self) -> Option<Cutoff> {
+        self.clock.as_ref()?.cutoff()
+    }
+
+    /// Says that the search is over: the rest of the work has the rest of the budget.
+    pub fn close(&self) {
+        if let Some(clock) = &self.clock {
+            clock.close();
+        }
     }
 }
 
 impl std::fmt::Debug for ProgressMonitor {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(if self.0.is_some() { "watched" } else { "unwatched" })
+        f.write_str(if self.observer.is_some() { "watched" } else { "unwatched" })
     }
 }
 

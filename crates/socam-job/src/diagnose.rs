@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 use socam_diagnose::{Answer, Diagnosis, Evidence, HeldOut, SteadyOptions};
-use socam_identify::ProgressMonitor;
+use socam_identify::{Budget, ProgressMonitor};
 use socam_model::Model;
 use socam_recording::{Dataset, Format, Steady, detect};
 
@@ -44,7 +44,14 @@ pub struct Diagnose {
     /// Seed of the random start values
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+    /// Time within which the diagnosis shall end, as in 60s or 10min (0: no end). The search gets three quarters of it, and what was found by
+    /// then is the answer, marked as unfinished
+    #[arg(long = "budget", value_name = "TIME", default_value = "600", value_parser = notation::budget, allow_hyphen_values = true)]
+    pub budget_s: f64,
 }
+
+/// Share of the budget that belongs to the search. Intervals, validation and pictures take the rest.
+const SEARCH_SHARE: f64 = 0.75;
 
 impl Settings for Diagnose {
     const COMMAND: &'static [&'static str] = &["diagnose"];
@@ -172,6 +179,7 @@ impl Diagnose {
                 open().and_then(|data| grid.apply(data).map(keep).map_err(|error| error.to_string()))
             }),
         });
+        let progress = progress.within(Budget::seconds(self.budget_s, SEARCH_SHARE));
         let answer = socam_diagnose::diagnose(&model, training, held_out, &self.options(progress))?;
         let held_out = opened.into_inner().unwrap_or_else(PoisonError::into_inner);
         Ok(Diagnosed { answer, model, held_out })

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use socam_calibrate::sensors::with_sensor_gains;
 use socam_frequency::rational::Orders;
 use socam_identify::{
-    Band, Document, End, Explained, ForceError, Identification, IdentifyError, Noise, NoiseLevels, Options,
-    Problem, ProgressMonitor, Validation,
+    Band, Budget, Document, End, Explained, ForceError, Identification, IdentifyError, Noise, NoiseLevels,
+    Options, Problem, ProgressMonitor, Validation,
 };
 use socam_model::Model;
 use socam_recording::{Dataset, RecordingError};
@@ -72,6 +72,10 @@ pub struct Identify {
     /// Seed of the random start points
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+    /// Time within which the fit shall end, as in 60s or 10min (0: no end). The best point by then is the result, marked as unfinished; methods
+    /// over frequency are short and have no such end
+    #[arg(long = "budget", value_name = "TIME", default_value = "300", value_parser = notation::budget, allow_hyphen_values = true)]
+    pub budget_s: f64,
     /// Calibration file with the sensors' uncertainty, which widens the intervals [default: that in the recordings]
     #[arg(long, value_name = "FILE")]
     pub calibration: Option<PathBuf>,
@@ -104,6 +108,9 @@ impl Settings for Identify {
         Ok(())
     }
 }
+
+/// Share of the budget that belongs to the search. Intervals and the prediction of held-out recordings take the rest.
+const SEARCH_SHARE: f64 = 0.9;
 
 /// Message about an option that only methods over time use.
 pub const NOT_OVER_FREQUENCY: &str =
@@ -179,6 +186,7 @@ impl Identify {
         progress: ProgressMonitor,
     ) -> Result<Identified> {
         let Calibrated { model, plain, .. } = calibrated;
+        let progress = progress.within(Budget::seconds(self.budget_s, SEARCH_SHARE));
         let options = Options { progress, ..self.options(model)? };
         let in_words = |error| in_words(model, error);
         if let Some(band) = self.band {

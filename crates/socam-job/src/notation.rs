@@ -27,6 +27,11 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A time within which a task shall end, s; zero means no end.
+pub(crate) fn budget(text: &str) -> Result<f64, String> {
+    if text.parse() == Ok(0.0) { Ok(0.0) } else { seconds(text) }
+}
+
 /// A number to five significant digits.
 #[must_use]
 pub fn number(value: f64) -> String {
@@ -189,6 +194,7 @@ mod tests {
         {
             assert!((seconds(text).unwrap() - expected).abs() < 1e-12, "{text}");
         }
+        assert_eq!([budget("0"), budget("0.0"), budget("2min")], [Ok(0.0), Ok(0.0), Ok(120.0)]);
         for text in ["-1s", "0s", "ten", "5 years", "", "nan", "inf"] {
             assert!(seconds(text).is_err(), "{text}");
         }

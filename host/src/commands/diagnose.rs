@@ -18,7 +18,8 @@ pub(crate) use text::text;
 ///
 /// Fits the model to the recordings, tests whether anything is missing, tries every effect of the catalogue at every place, and keeps those
 /// that predict better in cross-validation (leave one recording out). Recordings of --holdout are read only after the last choice, for
-/// validation; until then only their checksums are compared. Without them the result is not validated.
+/// validation; until then only their checksums are compared. Without them the result is not validated. After the time of --budget, or by
+/// Ctrl-C, the search ends, and what was found so far is the answer (exit code 4); a second Ctrl-C ends at once.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host diagnose RUN1.mcap RUN2.mcap --holdout RUN3.mcap
@@ -96,7 +97,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         diagnosis.warnings.iter().for_each(output::warn);
         output::print(&text(diagnosis))?;
     }
-    Ok(Outcome::on(training.iter().chain(&done.held_out)))
+    Ok(Outcome::on(training.iter().chain(&done.held_out)).of_search(diagnosis.finished))
 }
 
 fn table(run: &String) -> Result<Steady, JobError> {

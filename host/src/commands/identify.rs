@@ -26,8 +26,8 @@ use result::report;
 /// Identify stiffness, damping and friction from recordings
 ///
 /// Fits the free parameters of the model to all recordings together and prints each with its 95 % interval. For a parameter that the
-/// recordings do not determine, a note says why, and combinations that are determined are printed. Ctrl-C ends the search and reports the
-/// best point so far; a second Ctrl-C ends at once.
+/// recordings do not determine, a note says why, and combinations that are determined are printed. After the time of --budget, or by Ctrl-C,
+/// the search ends, and the best point so far is the result (exit code 4); a second Ctrl-C ends at once.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host identify RUN1.mcap RUN2.mcap
@@ -103,10 +103,13 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     if args.json {
         output::print_json(&done.document())?;
     } else {
-        done.result.warnings.iter().for_each(output::warn);
+        // What ended the search is the first line of the report.
+        let others =
+            done.result.warnings.iter().filter(|warning| Some(*warning) != done.result.unfinished.as_ref());
+        others.for_each(output::warn);
         output::print(&report(done.document()))?;
     }
-    Ok(Outcome::on(training.iter().chain(&held_out)))
+    Ok(Outcome::on(training.iter().chain(&held_out)).of_search(done.result.finished))
 }
 
 /// Refuses options that the method does not use.

@@ -43,6 +43,8 @@ pub(crate) enum Outcome {
     Done,
     /// Done, but samples were lost, or a recording is damaged or cut off.
     LostSamples,
+    /// Done with the best answer so far: the search was ended before its own end, by its budget or by Ctrl-C.
+    Unfinished,
     /// Done, but nothing could be judged: no channel in common, or no block like those of the baseline.
     NothingJudged,
 }
@@ -52,6 +54,11 @@ impl Outcome {
     pub(crate) fn on<'d>(recordings: impl IntoIterator<Item = &'d Dataset>) -> Self {
         if recordings.into_iter().all(Dataset::is_complete) { Self::Done } else { Self::LostSamples }
     }
+
+    /// The same where the search came to its own end. An answer that more time would change matters more than lost samples.
+    pub(crate) fn of_search(self, is_finished: bool) -> Self {
+        if is_finished { self } else { Self::Unfinished }
+    }
 }
 
 impl From<Outcome> for ExitCode {
@@ -59,6 +66,7 @@ impl From<Outcome> for ExitCode {
         match outcome {
             Outcome::Done => Self::SUCCESS,
             Outcome::LostSamples => Self::from(3),
+            Outcome::Unfinished => Self::from(4),
             Outcome::NothingJudged => Self::FAILURE,
         }
     }

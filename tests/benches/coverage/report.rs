@@ -118,7 +118,7 @@ fn end(trial: &Trial) -> &'static str {
         Ok(End::AtBound) => "at a bound",
         Ok(End::Stalled) => "stalled",
         Ok(End::IterationLimit) => "iteration limit",
-        Ok(End::Interrupted) => "interrupted",
+        Ok(End::Interrupted | End::Budget) => "interrupted",
         Err(_) => "failed",
     }
 }

@@ -35,7 +35,7 @@ const BATCH: usize = 3;
 /// Largest ratio of a fitted term's gain to the gain that its score predicts, 1: a term is linear in its heights.
 const BEYOND_SCORE: f64 = 1.5;
 
-/// The nonparametric term that predicts better than the chosen effect `named`, if there is one. Terms are tried where `named` leaves more
+/// The nonparametric term that predicts better than the chosen effect `named`, if there is one and the search was not ended. Terms are tried where `named` leaves more
 /// than sensor noise, or where no effect was chosen although a candidate is significant (`is_any_significant`).
 pub(crate) fn competing(
     context: &Context<'_>,
@@ -52,6 +52,9 @@ pub(crate) fn competing(
     let mut terms = all_terms(context, &path.last.model, scales);
     terms.retain(|term| !is_explained || is_any_significant || term.is_outside_catalogue());
     let scored = ranked(context, path, &terms)?;
+    if context.stops() {
+        return Ok(None);
+    }
     let Some(first) = scored.first().filter(|first| first.p_value < context.options.false_alarm_rate) else {
         return Ok(None);
     };
@@ -108,7 +111,10 @@ fn ranked(
     let (by_turn, others): (Vec<NonparametricTerm>, Vec<NonparametricTerm>) =
         terms.iter().cloned().partition(NonparametricTerm::is_by_turn);
     let chunks: Vec<&[NonparametricTerm]> = by_turn.chunks(BATCH).chain(others.chunks(BATCH)).collect();
-    let each = chunks.into_par_iter().map(|terms| fit::scored_batch(context, path, terms));
+    let scored = |terms: &[NonparametricTerm]| {
+        if context.stops() { Ok(Vec::new()) } else { fit::scored_batch(context, path, terms) }
+    };
+    let each = chunks.into_par_iter().map(scored);
     let found: Result<Vec<Vec<(NonparametricTerm, CandidateScore)>>, IdentifyError> = each.collect();
     let found: Vec<(NonparametricTerm, CandidateScore)> = found?.into_iter().flatten().collect();
     let scores: Vec<&CandidateScore> = found.iter().map(|(_, score)| score).collect();

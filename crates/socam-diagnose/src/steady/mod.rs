@@ -22,7 +22,9 @@ use thiserror::Error;
 
 use crate::{
     Diagnosis,
-    document::{Finding, Fit, ParameterChange, RecordingUse, SCHEMA, UNEXPLAINED, Validation, Verdict},
+    document::{
+        Finding, Fit, ParameterChange, RecordingUse, SCHEMA, SearchEnd, UNEXPLAINED, Validation, Verdict,
+    },
     experiment, words,
 };
 use outcome::{Outcome, outcome};
@@ -115,6 +117,9 @@ pub fn diagnose_steady(
         held_out: None,
         schema: SCHEMA.into(),
         verdict: verdict(&findings),
+        finished: true,
+        end: SearchEnd::Completed,
+        unfinished: None,
         false_alarm_rate: options.false_alarm_rate,
         validation: Validation::Blocks,
         suggested_experiment: experiment::steady(&findings),

@@ -22,9 +22,11 @@ pub(super) fn sentences(diagnosis: &Diagnosis, claims: &[Claim]) -> Vec<String> 
             "A complete model is called incomplete in {} % of diagnoses.",
             words::number(Some(100.0 * diagnosis.false_alarm_rate))
         );
-        return fit.into_iter().chain([alarms]).collect();
+        let alarms = diagnosis.finished.then_some(alarms);
+        return diagnosis.unfinished.iter().cloned().chain(fit).chain(alarms).collect();
     }
-    let mut all = vec![Proof::of(diagnosis).sentence().to_owned()];
+    let mut all: Vec<String> = diagnosis.unfinished.iter().cloned().collect();
+    all.push(Proof::of(diagnosis).sentence().to_owned());
     let several = diagnosis.findings.len() > 1;
     for (index, (finding, claim)) in diagnosis.findings.iter().zip(claims).enumerate() {
         let number = several.then_some(index + 1);

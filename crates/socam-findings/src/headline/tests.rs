@@ -78,6 +78,18 @@ Unexplained: Something is missing at coupling_3 that no effect of the catalogue 
 Not proven: nothing was held out. Models were compared with each recording left out in turn.
 Something is left: on data that were not fitted, output_speed is still missed by 3.2 times its noise floor (3.3 before).";
 
+const CUT_OFF: &str = "\
+Unexplained: Not judged: the search was ended before anything was found
+The search was ended after 45.0 s, to keep its budget of 60 s: no effect was looked for.
+On data that were not fitted, the worst channel, output_speed, is missed by 3.3 times its noise floor.";
+
+const CUT_OFF_LATER: &str = "\
+Missing: Physics is missing: Coulomb friction at motor_bearing
+1. Coulomb friction at motor_bearing: torque 0.3010 N m (95 % interval 0.2951 to 0.3069)
+The search was ended after 45.0 s, to keep its budget of 60 s: no effect was looked for.
+Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
+No other explanation that was fitted comes close.";
+
 const CONTRADICTED: &str = "\
 Contradicted: Contradicted by the held-out recordings: Coulomb friction at motor_bearing, and something without a name at load
 1. Coulomb friction at motor_bearing: torque 0.3010 N m (95 % interval 0.2951 to 0.3069)
@@ -90,6 +102,13 @@ fn headlines_read_as_expected() {
     let mut adequate = example();
     (adequate.verdict, adequate.held_out) = (Verdict::Adequate, None);
     adequate.findings.clear();
+    let cut_off = |diagnosis: &Diagnosis| {
+        let sentence =
+            "The search was ended after 45.0 s, to keep its budget of 60 s: no effect was looked for.";
+        Diagnosis { finished: false, unfinished: Some(sentence.into()), ..diagnosis.clone() }
+    };
+    let nothing_yet = Diagnosis { verdict: Verdict::NotJudged, ..cut_off(&adequate) };
+    let cut_off_later = cut_off(&with_rivals(&[]));
     let mut unexplained = example();
     (unexplained.verdict, unexplained.validation, unexplained.held_out) =
         (Verdict::Unexplained, Validation::LeaveOneOut, None);
@@ -104,6 +123,8 @@ fn headlines_read_as_expected() {
         (with_rivals(&[]), ALONE),
         (with_rivals(&[("stribeck_friction", "motor_bearing", 0.21)]), BESIDE),
         (adequate, NOTHING),
+        (nothing_yet, CUT_OFF),
+        (cut_off_later, CUT_OFF_LATER),
         (unexplained, NAMELESS),
         (contradicted, CONTRADICTED),
     ];

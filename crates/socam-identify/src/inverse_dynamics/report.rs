@@ -55,6 +55,8 @@ impl Regression {
             recordings: datasets.iter().map(|dataset| dataset.name().to_owned()).collect(),
             converged: true,
             end: End::Converged,
+            finished: true,
+            unfinished: None,
             iterations: 1,
             cpu_s: self.cpu_s,
             parameters: estimates.collect(),

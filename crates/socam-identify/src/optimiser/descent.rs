@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::{
     IdentifyError,
+    budget::{Cause, Cutoff},
     evaluation::{self, ChannelSums, Point, SegmentEvaluation, Weights, channel_sums, squares},
     optimiser::{
         factors::{global_factor, total_cost},
@@ -59,6 +60,24 @@ pub enum End {
     IterationLimit,
     /// The observer stopped it; values and intervals are those of the best point so far.
     Interrupted,
+    /// Its budget was used up; values and intervals are those of the best point so far.
+    Budget,
+}
+
+impl End {
+    /// Whether the search was ended before its own end.
+    #[must_use]
+    pub fn is_cut_off(self) -> bool {
+        matches!(self, Self::Interrupted | Self::Budget)
+    }
+
+    /// The end of a search that `cutoff` ended.
+    pub(crate) fn cut_off(cutoff: Option<Cutoff>) -> Self {
+        match cutoff {
+            Some(Cutoff { cause: Cause::Budget, .. }) => Self::Budget,
+            _ => Self::Interrupted,
+        }
+    }
 }
 
 /// State of a descent, during it or at its end.
@@ -163,7 +182,7 @@ pub(crate) fn descend(
     while at.iterations < max_iterations {
         problem.options.progress.tell(stage, at.iterations, Some(at.misfit()));
         if problem.options.progress.stops() {
-            at.end = End::Interrupted;
+            at.end = End::cut_off(problem.options.progress.cutoff());
             break;
         }
         at.iterations += 1;

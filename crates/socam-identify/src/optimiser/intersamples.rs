@@ -12,7 +12,7 @@ use crate::{
     evaluation::{self, Point, Weights},
     noise::innovations_filter::{InnovationsFilter, NoiseLevels},
     optimiser::{
-        descent::{self, Descent, End},
+        descent::{self, Descent},
         factors,
         noise_estimation::{first_weights, iterated_gls},
         nuisance,
@@ -99,7 +99,7 @@ pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Des
     let mut descent = descent;
     let mut between = assumed(problem);
     for round in 0..=MOST_CHANGES {
-        if descent.end == End::Interrupted {
+        if descent.end.is_cut_off() {
             break;
         }
         let mut best: Option<(usize, &Channel, Alternative)> = None;

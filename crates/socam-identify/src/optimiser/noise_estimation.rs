@@ -5,7 +5,7 @@ use crate::{
     evaluation::{self, ChannelSums, Point, Weights, channel_sums},
     noise::{innovations_filter::NoiseLevels, input_noise, levels, prewhitening},
     optimiser::{
-        descent::{COARSE_TOLERANCE, Descent, End, TOLERANCE, descend},
+        descent::{COARSE_TOLERANCE, Descent, TOLERANCE, descend},
         factors,
     },
     problem::{Noise, Problem},
@@ -77,8 +77,8 @@ pub(crate) fn iterated_gls(problem: &Problem<'_>, point: Point) -> Result<Descen
     let mut fine = false;
     let mut nearest = Nearest::of(&descent);
     for round in 1..=MOST_ROUNDS {
-        // An interrupted search may end once the noise has been estimated.
-        if round > 1 && descent.end == End::Interrupted {
+        // A search that was cut off may end once the noise has been estimated.
+        if round > 1 && descent.end.is_cut_off() {
             break;
         }
         let before = descent.weights.levels();

@@ -10,7 +10,7 @@ use crate::{
         intersamples,
         noise_estimation::iterated_gls,
         nuisance::{with_nuisance, with_nuisance_fitted},
-        starts::best_start,
+        starts::{Starts, best_start},
     },
     preprocessing::outliers,
     problem::Problem,
@@ -53,15 +53,13 @@ const MOST_CLEANINGS: usize = 3;
 /// [`Identification::end`].
 pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyError> {
     let clock = report::CpuClock::start();
-    let mut starts = Vec::new();
+    let mut starts = Starts::default();
     let start = best_start(problem, &mut starts)?;
     let mut cleaned = problem.clone();
     let descent = iterated_gls(&cleaned, start)?;
     let mut descent = intersamples::settled(&mut cleaned, descent)?;
     for _ in 0..MOST_CLEANINGS {
-        if descent.end == End::Interrupted
-            || !outliers::leave_out(&mut cleaned, &descent.point, &descent.weights)?
-        {
+        if descent.end.is_cut_off() || !outliers::leave_out(&mut cleaned, &descent.point, &descent.weights)? {
             break;
         }
         let before = descent.iterations;
@@ -101,11 +99,12 @@ pub fn at_minimum(
     let parameterless = levels::without_parameters(problem);
     let found = with_nuisance_fitted(&parameterless, point, noise.weights(&parameterless, &at.values))?
         .ok_or_else(diverged)?;
-    let end = if problem.options.progress.stops() { End::Interrupted } else { End::Converged };
+    let progress = &problem.options.progress;
+    let end = if progress.stops() { End::cut_off(progress.cutoff()) } else { End::Converged };
     // The correction for regressor noise needs the share of input noise in the residuals.
     let inputs = noise.levels().inputs.iter().map(|std| std / noise.excess().max(1.0).sqrt());
     let weights = Weights { input_std: inputs.collect(), ..noise.weights(problem, &at.values) };
-    report::identification(problem, Descent { weights, end, ..found }, &[], clock)
+    report::identification(problem, Descent { weights, end, ..found }, &Starts::default(), clock)
 }
 
 /// Fit of a model at given parameter values (SI, one per parameter of the model), simulated from the measured inputs. Only start states and

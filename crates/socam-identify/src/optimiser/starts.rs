@@ -1,5 +1,7 @@
 //! Several starts: the file's values and random ones are fitted to a part of the data, and the best fit is continued.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rand_chacha::{
     ChaCha8Rng,
     rand_core::{Rng, SeedableRng},
@@ -29,17 +31,18 @@ const START_ROWS: u64 = 4000;
 /// Number of segments to which starts are fitted.
 const START_SEGMENTS: usize = 4;
 
-/// Result of the descent from one start.
-pub(crate) struct StartResult {
-    pub(crate) cost: f64,
+/// The starts of a fit.
+#[derive(Default)]
+pub(crate) struct Starts {
+    /// Cost of the descent from each start.
+    pub(crate) costs: Vec<f64>,
+    /// Number of starts that were left out because the search was ended.
+    pub(crate) not_tried: usize,
 }
 
 /// The best of the file's values and random ones, by the cost of a coarse descent on a part of the data. Where the file's values lead to a
-/// fit that leaves only noise, no other start is tried. The cost of each start is added to `starts`.
-pub(crate) fn best_start(
-    problem: &Problem<'_>,
-    starts: &mut Vec<StartResult>,
-) -> Result<Point, IdentifyError> {
+/// fit that leaves only noise, no other start is tried. The starts are noted in `starts`.
+pub(crate) fn best_start(problem: &Problem<'_>, starts: &mut Starts) -> Result<Point, IdentifyError> {
     let first = problem.model.values();
     let with_nuisance = |values: Vec<f64>| -> Result<Point, IdentifyError> {
         let nuisance = nuisance::first(problem, &values)?;
@@ -62,8 +65,10 @@ pub(crate) fn best_start(
         .map(|index| if index == 0 { first.clone() } else { spread(problem, &first, &mut random) });
     let base = Point { values: first.clone(), nuisance: nuisance::first(&short, &first)? };
     let weights = first_weights(&short, &base)?;
+    let not_tried = AtomicUsize::new(0);
     let one = |(index, values): (usize, Vec<f64>)| {
         if index > 0 && problem.options.progress.stops() {
+            not_tried.fetch_add(1, Ordering::Relaxed);
             return None;
         }
         let stage = Stage::Start { number: index + 1, of: problem.options.starts };
@@ -77,9 +82,10 @@ pub(crate) fn best_start(
         Some(own) if leaves_noise(&short, own)? => Vec::new(),
         _ => candidates.collect::<Vec<_>>().into_par_iter().map(one).collect(),
     };
+    starts.not_tried = not_tried.into_inner();
     let mut best: Option<(f64, Point)> = None;
     for descent in std::iter::once(own).chain(rest).flatten() {
-        starts.push(StartResult { cost: descent.cost });
+        starts.costs.push(descent.cost);
         if best.as_ref().is_none_or(|(cost, _)| descent.cost < *cost) {
             best = Some((descent.cost, descent.point));
         }

@@ -144,6 +144,11 @@ pub struct Identification {
     pub converged: bool,
     /// Reason for which the fit ended.
     pub end: End,
+    /// Whether the search came to its own end. Otherwise values and intervals are those of the best point so far.
+    pub finished: bool,
+    /// When and by what the search was ended before its own end, and what was not tried, as a sentence without a full stop.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unfinished: Option<String>,
     /// Iterations of the last descents.
     pub iterations: usize,
     /// Processor time of the fit without reading files, s, all threads.

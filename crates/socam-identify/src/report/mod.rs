@@ -28,7 +28,7 @@ use crate::{
     noise::regressor_noise,
     optimiser::{
         descent::{Descent, End},
-        starts::StartResult,
+        starts::Starts,
     },
     preprocessing::mask::LeftOut,
     problem::Problem,
@@ -57,7 +57,7 @@ impl CpuClock {
 pub(crate) fn identification(
     problem: &Problem<'_>,
     mut descent: Descent,
-    starts: &[StartResult],
+    starts: &Starts,
     clock: CpuClock,
 ) -> Result<Identification, IdentifyError> {
     problem.options.progress.tell(Stage::Intervals, 0, None);
@@ -89,7 +89,7 @@ pub(crate) fn identification(
     } else {
         advice::advice(problem.model, &parameters)
     };
-    if verdict.explained == Explained::No && descent.end != End::Interrupted {
+    if verdict.explained == Explained::No && !descent.end.is_cut_off() {
         warnings.extend(sign_check::warning(problem, &descent)?);
     }
     warnings.extend(unexplained);
@@ -98,9 +98,12 @@ pub(crate) fn identification(
     if let Some(warning) = starts_warning(starts) {
         warnings.push(warning);
     }
-    if problem.options.try_other_intersamples && end != End::Interrupted {
+    if problem.options.try_other_intersamples && !end.is_cut_off() {
         warnings.extend(intersample_check::warnings(problem, &descent, &parameters)?);
     }
+    let cutoff = problem.options.progress.cutoff().filter(|_| end.is_cut_off());
+    let unfinished = cutoff.map(|how| warnings::unfinished(how, starts));
+    warnings.extend(unfinished.clone());
     warnings.extend(end_warning(end));
     Ok(Identification {
         schema: SCHEMA,
@@ -109,6 +112,8 @@ pub(crate) fn identification(
         recordings: problem.datasets.iter().map(|dataset| dataset.name().to_owned()).collect(),
         converged: matches!(end, End::Converged | End::AtBound),
         end,
+        finished: unfinished.is_none(),
+        unfinished,
         iterations: descent.iterations,
         cpu_s,
         parameters,
@@ -135,13 +140,11 @@ pub(crate) fn identification(
 /// Warning about a fit that did not end at a minimum.
 fn end_warning(end: End) -> Option<String> {
     let warning = match end {
-        End::Interrupted => {
-            "the search was interrupted: values are those of the best point so far, and intervals say what these recordings could determine, not how far the minimum is"
-        }
         End::Stalled | End::IterationLimit => {
             "the fit did not converge; its intervals mean little: give better start values, fix what is known, or look at the residuals"
         }
-        End::Converged | End::AtBound => return None,
+        // What ended the search says its own sentence.
+        End::Converged | End::AtBound | End::Interrupted | End::Budget => return None,
     };
     Some(warning.into())
 }

@@ -2,7 +2,7 @@
 
 use socam_model::{Model, ModelError, Update};
 
-use crate::{End, Identification, Source, between};
+use crate::{Identification, Source, between};
 
 impl Identification {
     /// States in `model` how its inputs behave between their samples, where the recordings decided against what is usual.
@@ -31,10 +31,13 @@ impl Identification {
                     .map(|(low, high)| [low, high])
                     .filter(|_| parameter.identifiable),
                 source: match (parameter.identifiable, self.end) {
-                    (true, End::Interrupted) => {
-                        format!("best so far of an interrupted search ({method}) from {recordings}")
+                    (true, end) if end.is_cut_off() => {
+                        format!("best so far of an unfinished search ({method}) from {recordings}")
                     }
                     (true, _) => format!("identified ({method}) from {recordings}"),
+                    (false, end) if end.is_cut_off() => {
+                        format!("not determined by {recordings}; part of an unfinished fit only")
+                    }
                     (false, _) => format!("not determined by {recordings}; part of the fit only"),
                 },
             })

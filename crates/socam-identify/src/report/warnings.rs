@@ -3,8 +3,9 @@
 use socam_model::Model;
 
 use crate::{
+    budget::Cutoff,
     evaluation::{ChannelSums, SegmentEvaluation},
-    optimiser::starts::StartResult,
+    optimiser::starts::Starts,
 };
 
 /// Share of samples with unresolved steps above which there is a warning.
@@ -45,10 +46,21 @@ pub(crate) fn left_the_data(times: f64) -> String {
 }
 
 /// Warning about starts that ended in different minima.
-pub(crate) fn starts_warning(starts: &[StartResult]) -> Option<String> {
-    let best = starts.iter().map(|race| race.cost).fold(f64::INFINITY, f64::min);
-    let reached = starts.iter().filter(|race| race.cost < 1.05 * best).count();
-    (starts.len() > 1 && reached * 3 < starts.len()).then(|| {
-        format!("only {reached} of {} starts came near the best minimum; there may be a better one: try --starts with a larger number", starts.len())
+pub(crate) fn starts_warning(Starts { costs, .. }: &Starts) -> Option<String> {
+    let best = costs.iter().copied().fold(f64::INFINITY, f64::min);
+    let reached = costs.iter().filter(|cost| **cost < 1.05 * best).count();
+    (costs.len() > 1 && reached * 3 < costs.len()).then(|| {
+        format!("only {reached} of {} starts came near the best minimum; there may be a better one: try --starts with a larger number", costs.len())
     })
+}
+
+/// Sentence about a fit whose search was ended before its own end: `how` says when and by what.
+pub(crate) fn unfinished(how: Cutoff, starts: &Starts) -> String {
+    let not_tried = match starts.not_tried {
+        0 => String::new(),
+        number => format!("{number} of {} starts were not tried, ", number + starts.costs.len()),
+    };
+    format!(
+        "{how}: {not_tried}values are those of the best point so far, and intervals say what these recordings could determine, not how far the minimum is"
+    )
 }

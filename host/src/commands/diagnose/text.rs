@@ -9,12 +9,14 @@ use crate::table;
 /// The answer as text.
 pub(crate) fn text(diagnosis: &Diagnosis) -> String {
     let headline = headline(diagnosis);
-    let mut text = format!("{} ({}).\n", headline.title, diagnosis.model);
+    let unfinished = diagnosis.unfinished.as_ref();
+    let mut text = unfinished.map_or_else(String::new, |how| format!("{how}\n"));
+    text.push_str(&format!("{} ({}).\n", headline.title, diagnosis.model));
     for (index, claim) in headline.claims.iter().enumerate() {
         let size = claim.size.as_ref().map_or_else(String::new, |size| format!(": {size}"));
         text.push_str(&format!("  {}. {}{size}\n", index + 1, words::capital(&claim.what)));
     }
-    for sentence in &headline.certainty {
+    for sentence in headline.certainty.iter().filter(|sentence| Some(*sentence) != unfinished) {
         text.push_str(&format!("  {sentence}\n"));
     }
     for (index, finding) in diagnosis.findings.iter().enumerate() {
@@ -124,5 +126,16 @@ mod tests {
         assert!(rest.starts_with("  1. Coulomb friction, at either bearing"), "{said}");
         assert!(said.contains("torque = 0.3010 N m (95 % interval 0.2951 to 0.3069)"), "{said}");
         assert!(headline.certainty.iter().all(|sentence| said.contains(sentence.as_str())), "{said}");
+    }
+
+    #[test]
+    fn a_search_that_was_ended_is_said_first_and_once() {
+        let text = include_str!("../../../../crates/socam-findings/src/headline/example.json");
+        let mut diagnosis: Diagnosis = serde_json::from_str(text).unwrap();
+        let how = "The search was interrupted after 3.0 s: no further effect was looked for.";
+        (diagnosis.finished, diagnosis.unfinished) = (false, Some(how.into()));
+        let said = super::text(&diagnosis);
+        assert!(said.starts_with(&format!("{how}\nPhysics is missing")), "{said}");
+        assert_eq!(said.matches(how).count(), 1);
     }
 }

@@ -1,5 +1,6 @@
 //! The result of `identify` as tables.
 
+use socam_findings::words;
 use socam_identify::{BandFit, BandFits, Document};
 
 use crate::table;
@@ -7,7 +8,9 @@ use crate::table;
 /// The result as tables.
 pub(super) fn report(document: Document<'_>) -> String {
     let Document { result, training, validation } = document;
-    let mut text = format!(
+    let unfinished = result.unfinished.as_ref();
+    let mut text = unfinished.map_or_else(String::new, |how| format!("{}.\n", words::capital(how)));
+    text += &format!(
         "{} by {}: {} after {} iterations, {:.2} CPU s\n\n",
         result.model,
         result.method,

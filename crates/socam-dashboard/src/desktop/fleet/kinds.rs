@@ -30,7 +30,7 @@ impl RowVerdict {
             Some(Verdict::Adequate) => Self::Adequate,
             Some(Verdict::MissingPhysics) => Self::Missing,
             Some(Verdict::Unexplained) => Self::Unexplained,
-            None => Self::Without,
+            Some(Verdict::NotJudged) | None => Self::Without,
         }
     }
 
