@@ -1,12 +1,14 @@
 //! Common parts of the end-to-end tests: the program as a process, and recordings that none of its crates has made.
 
 pub mod bench;
+mod crew;
 mod draw;
 pub mod emulator;
 pub mod firmware;
 mod process;
 pub mod readers;
 
+pub use crew::in_parallel;
 pub use draw::Draw;
 pub use process::{Ran, program, run, socam_host};
 

@@ -7,12 +7,12 @@
 
 mod bench;
 mod case;
-mod crew;
 mod report;
 mod table;
 mod tally;
 mod trial;
 
+use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -82,7 +82,9 @@ fn run(args: &Args) -> Result<(), String> {
     let oversample = args.oversample.parse().map_err(|_| "--oversample wants a number")?;
     let bench = Bench { oversample, cache: args.cache.clone() };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let trials = crew::run(&args.cases()?, &bench, args.threads.unwrap_or(cores))?;
+    let (cases, threads) = (args.cases()?, args.threads.unwrap_or(cores));
+    let work = |case: &Case| Trial::run(case.clone(), &bench);
+    let trials = socam_tests::in_parallel(&cases, threads, work, |_, done| tell(done, cases.len()))?;
     if let Some(path) = &args.csv {
         std::fs::write(path, report::csv(&trials)).map_err(|error| format!("{}: {error}", path.display()))?;
     }
@@ -101,6 +103,15 @@ fn run(args: &Args) -> Result<(), String> {
     }
     println!("one case: cargo bench -p socam-tests --bench coverage -- --seed {} --case NUMBER", args.seed);
     Ok(())
+}
+
+/// Tells the progress, on a terminal only.
+fn tell(done: usize, total: usize) {
+    let mut stderr = std::io::stderr();
+    if stderr.is_terminal() {
+        let end = if done == total { "\r\x1b[K" } else { "" };
+        let _ = write!(stderr, "\r{done} of {total} benches{end}");
+    }
 }
 
 fn half(trials: &[Trial], aside: bool) -> Vec<&Trial> {
