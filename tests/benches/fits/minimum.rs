@@ -21,7 +21,9 @@ const UNIT: f64 = 1.0;
 pub(crate) struct Costs {
     /// Where the fit ended.
     pub(crate) own: f64,
-    /// After a further descent from there.
+    /// At the true values: what they leave more is chi-square where nothing is unmodelled.
+    pub(crate) at_truth: Option<f64>,
+    /// After a further descent from where the fit ended.
     pub(crate) continued: Option<f64>,
     /// After a descent from the true values.
     pub(crate) from_truth: Option<f64>,
@@ -67,13 +69,19 @@ fn compare(
     };
     let noise = NoiseModel::new(&[&problem], &found.point, levels)?;
     let descended = |start: &[f64]| -> Result<Option<f64>, IdentifyError> {
-        let fitted = descend(&problem, &noise, start, None, (FINE, ITERATIONS))?;
+        let at = measure(&problem, &noise, start)?;
+        let from = at.as_ref().map(|at| (base, at));
+        let fitted = descend(&problem, &noise, start, from, (FINE, ITERATIONS))?;
         Ok(fitted.map(|fitted| 0.5 * fitted.total()))
     };
     let many = Problem::new(base, data, Options { starts: STARTS, ..Options::default() });
     let many = many.and_then(|problem| output_error(&problem)).ok();
+    let at = |values: &[f64]| {
+        Ok::<_, IdentifyError>(measure(&problem, &noise, values)?.map(|at| 0.5 * at.total()))
+    };
     Ok(Costs {
-        own: measure(&problem, &noise, &found.point)?.map_or(f64::NAN, |at| 0.5 * at.total()),
+        own: at(&found.point)?.unwrap_or(f64::NAN),
+        at_truth: at(&truth.values())?,
         continued: descended(&found.point)?,
         from_truth: descended(&truth.values())?,
         from_many: many.map(|many| descended(&many.point)).transpose()?.flatten(),

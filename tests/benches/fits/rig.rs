@@ -3,7 +3,7 @@
 use serde::Serialize;
 use socam_model::{Intersample, Model};
 use socam_recording::Dataset;
-use socam_sim::challenge::{Background, Case, CaseKind, Drive, Measure, Sensor};
+use socam_sim::challenge::{Background, Case, CaseKind, Drive, FAMILY_NAMES, Measure, Sensor, family_of};
 use socam_tests::Draw;
 
 use crate::faults::{self, Failed};
@@ -71,10 +71,8 @@ const AIMS: [f64; 6] = [1.0, 1.0, 3.0, 10.0, 30.0, 100.0];
 impl Rig {
     /// Rig `number` of a seed.
     pub(crate) fn draw(seed: u64, number: u64) -> Result<Self, String> {
-        // The challenge's realistic cases that hide nothing: they have a background, and noise of their input.
-        let is_clean = |number: &u64| CaseKind::of(*number) == CaseKind::Clean;
-        let odd = (0..).map(|pair| 2 * pair + 1).filter(is_clean).nth(number as usize).unwrap_or(1);
-        let mut case = Case::draw(seed, odd).map_err(|error| error.to_string())?.without_hidden();
+        let mut case =
+            Case::draw(seed, realistic(seed, number)).map_err(|error| error.to_string())?.without_hidden();
         // The challenge draws from the same generator: the same seed would repeat its numbers.
         let draw = &mut Draw::new(!seed, number);
         case.training = draw.whole(1, case.training as u64) as usize;
@@ -129,6 +127,15 @@ impl Rig {
             _ => Intersample::Linear,
         }
     }
+}
+
+/// Number of the challenge's case whose machine rig `number` has: a realistic case that hides nothing, as such cases have a background and
+/// noise of their input. The families take turns, so that few rigs are of all of them.
+fn realistic(seed: u64, number: u64) -> u64 {
+    let families = FAMILY_NAMES.len() as u64;
+    let (turn, family) = (number / families, FAMILY_NAMES[(number % families) as usize]);
+    let is_wanted = |case: &u64| CaseKind::of(*case) == CaseKind::Clean && family_of(seed, *case) == family;
+    (0..).map(|pair| 2 * pair + 1).filter(is_wanted).nth(turn as usize).unwrap_or(1)
 }
 
 /// The drive. A prescribed speed cannot jump, and is measured where it has noise. A servo's reference is known, and held only where the servo

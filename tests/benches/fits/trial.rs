@@ -10,7 +10,7 @@ use crate::minimum::{self, Costs};
 use crate::misfit;
 use crate::rig::{Driven, Flaws, Rig, kinds};
 
-/// Excess over an interval, in widths of it, beyond which a background has moved a parameter: scatter exceeds an interval by half a half-width
+/// Excess over an interval, in widths of it, beyond which a parameter was moved: scatter alone exceeds an interval by half a half-width
 /// in three of a thousand cases.
 const MOVED: f64 = 0.25;
 
@@ -121,10 +121,10 @@ impl Trial {
         Some(fit.explained != Some(Explained::Yes))
     }
 
-    /// Whether the verdict warns of nothing although a background moved a parameter out of its interval; `None` where none was moved.
+    /// Whether the verdict warns of nothing although a background or a flaw moved a parameter out of its interval; `None` where none was
+    /// moved.
     pub(crate) fn is_missing_warning(&self) -> Option<bool> {
-        let fit =
-            self.fit.as_ref().filter(|_| !self.background.is_empty() && self.flaws.wrong_sign.is_none())?;
+        let fit = self.fit.as_ref().filter(|_| !self.is_plain() && self.flaws.wrong_sign.is_none())?;
         let is_moved = fit.parameters.iter().any(|parameter| parameter.holds(MOVED) == Some(false));
         is_moved.then_some(fit.explained == Some(Explained::Yes))
     }
