@@ -43,6 +43,9 @@ class IdentifyOptions(TypedDict, total=False):
         Number of start points of the search [default: 6].
     seed
         Seed of the random start points [default: 1].
+    budget_s
+        Time within which the fit shall end, as in 60s or 10min (0: no end). The best point by then is the result, marked as
+        unfinished; methods over frequency are short and have no such end [default: 300.0].
     calibration
         Calibration file with the sensors' uncertainty, which widens the intervals [default: that in the recordings].
     """
@@ -56,6 +59,7 @@ class IdentifyOptions(TypedDict, total=False):
     noise: str | Iterable[str] | Mapping[str, float | str] | None
     starts: int
     seed: int
+    budget_s: float
     calibration: str | PathLike[str] | None
 
 
@@ -120,6 +124,9 @@ class DiagnoseOptions(TypedDict, total=False):
         Greatest number of effects to add [default: 3].
     seed
         Seed of the random start values [default: 1].
+    budget_s
+        Time within which the diagnosis shall end, as in 60s or 10min (0: no end). The search gets three quarters of it, and
+        what was found by then is the answer, marked as unfinished [default: 600.0].
     """
 
     fixed: str | Iterable[str] | Mapping[str, float | str] | None
@@ -130,6 +137,7 @@ class DiagnoseOptions(TypedDict, total=False):
     tolerance: float
     most: int
     seed: int
+    budget_s: float
 
 
 class CompareOptions(TypedDict, total=False):

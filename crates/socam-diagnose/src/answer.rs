@@ -12,10 +12,12 @@ use socam_identify::{Cause, IdentifyError};
 
 use crate::{
     Diagnosis,
+    candidate::Candidate,
     document::{
         Finding, FindingEvidence, HeldOut, ProofOutcome, Region, SCHEMA, SearchEnd, UNEXPLAINED, Validation,
         Verdict,
     },
+    intervals,
     proof::Outcome,
     selection::{EXCESS, Path},
     words,
@@ -109,10 +111,27 @@ fn cautions(inputs: &Inputs<'_>, findings: &[Finding]) -> Vec<String> {
             times(left)
         ));
     }
+    if path.unexamined.is_some() {
+        all.extend(undetermined(inputs));
+    }
     if path.effects() >= context.options.most_effects && left > EXCESS {
         all.push(format!("stopped after {} effects, the most that --most allows", path.terms.len()));
     }
     all
+}
+
+/// A warning about each term whose size the recordings do not determine. A search that comes to its end removes such terms.
+fn undetermined(inputs: &Inputs<'_>) -> Vec<String> {
+    let Inputs { path, after, .. } = *inputs;
+    let open = (0..path.terms.len()).filter(|term| !intervals::is_determined(path, *term, after));
+    let sentence = |term: usize| {
+        let Candidate { effect, place, .. } = &path.terms[term].candidate;
+        format!(
+            "the size of {} at {place} is not determined: a search to the end adds what is missing beside it, or removes it",
+            socam_findings::words::effect(effect.id)
+        )
+    };
+    open.map(sentence).collect()
 }
 
 /// Whether the corrected model predicts the held-out recordings better; `None` where nothing was held out or there is no corrected model.

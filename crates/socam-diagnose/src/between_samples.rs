@@ -57,7 +57,7 @@ impl Path {
         let mut best: Option<(Intersample, Model, comparison::Evaluation)> = None;
         for kind in other_intersamples(channel, channel.intersample()) {
             let Some(model) = with_kind(&self.last.model, input, kind) else { continue };
-            let problem = context.problem(&model)?;
+            let problem = context.tentative(&model)?;
             let mut at = Some(self.last.at.clone());
             for iterations in ITERATIONS {
                 let Some(from) = at.take_if(|at| at.total() < self.last.deviance() + WORTH_CONTINUING) else {

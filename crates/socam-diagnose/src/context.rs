@@ -103,6 +103,17 @@ impl<'a> Context<'a> {
         Problem::new(model, self.training, self.fit.clone())
     }
 
+    /// The same for a fit whose result is of no use once the search is ended: it is then given up at once.
+    pub(crate) fn tentative<'m>(&'m self, model: &'m Model) -> Result<Problem<'m>, IdentifyError> {
+        Problem::new(model, self.training, self.tentative_fit())
+    }
+
+    /// Settings of such a fit.
+    pub(crate) fn tentative_fit(&self) -> FitOptions {
+        let progress = self.fit.progress.clone().tentative();
+        FitOptions { progress, ..self.fit.clone() }
+    }
+
     /// Noise model of sensor noise alone, with filters that follow from `model` at `values`.
     pub(crate) fn sensor_noise(
         &self,
@@ -155,7 +166,7 @@ impl<'a> Context<'a> {
     }
 
     /// Continues a fit under another noise model for at most [`REFIT_ITERATIONS`], as exactly as a comparison of models needs, and
-    /// cross-validates it.
+    /// cross-validates it. `None` also where the search is ended.
     pub(crate) fn compared(
         &self,
         model: &Model,
@@ -163,11 +174,11 @@ impl<'a> Context<'a> {
         noise: &NoiseModel,
     ) -> Result<Option<FittedModel>, IdentifyError> {
         let round = (comparison::COARSE, REFIT_ITERATIONS);
-        let at = comparison::descend(&self.problem(model)?, noise, &at.values, Some((model, at)), round)?;
-        at.map_or(Ok(None), |at| self.validated(model, at, noise))
+        let at = comparison::descend(&self.tentative(model)?, noise, &at.values, Some((model, at)), round)?;
+        at.filter(|_| !self.stops()).map_or(Ok(None), |at| self.validated(model, at, noise))
     }
 
-    /// Cross-validates a model at a given fit.
+    /// Cross-validates a model at a given fit. Once the search is ended the fits of the folds are left out, as no choice depends on them.
     pub(crate) fn validated(
         &self,
         model: &Model,
@@ -176,7 +187,7 @@ impl<'a> Context<'a> {
     ) -> Result<Option<FittedModel>, IdentifyError> {
         let validation = cross_validation::leave_one_out(&self.problem(model)?, noise, model, &at)?;
         let Some(mut validation) = validation else { return Ok(None) };
-        if !self.folds.is_empty() {
+        if !self.folds.is_empty() && !self.stops() {
             let each = self.folds.par_iter().map(|fold| self.left_out(fold, model, &at, noise));
             let held_out: Result<Option<Vec<f64>>, IdentifyError> = each.collect();
             let Some(held_out) = held_out? else { return Ok(None) };

@@ -191,7 +191,7 @@ impl Path {
             let Some((model, values)) = self.start_with(index, &start) else { return Ok(None) };
             let best = self.last.deviance();
             let at = context::descend_in_rounds(
-                &context.problem(&model)?,
+                &context.tentative(&model)?,
                 &self.noise,
                 &values,
                 best,

@@ -42,7 +42,7 @@ impl FinalChoice {
 
 /// Removes terms whose amplitude the recordings do not determine, the latest first, until every term is determined. Sets each remaining
 /// term's gain over the model without it. Returns the estimates of the remaining model. Once the search is ended, models without a term are
-/// no more fitted: a term that they would remove stays if the recordings move far off without it.
+/// not fitted, and all terms stay.
 fn determined(
     context: &Context<'_>,
     path: &mut Path,
@@ -55,12 +55,13 @@ fn determined(
         let found = intervals::estimates(context, path)?;
         for term in (0..path.terms.len()).rev().filter(|term| !intervals::is_determined(path, *term, &found))
         {
+            if context.stops() {
+                break;
+            }
             let near = path.fitted_without(context, term)?;
-            let without = match near {
-                None if !context.stops() => path.refitted_without(context, term)?,
-                near => near,
-            };
-            if let Some(without) = without {
+            let without = near.map_or_else(|| path.refitted_without(context, term), |near| Ok(Some(near)))?;
+            // A fit that the end of the search has cut off is no model to go on with.
+            if let Some(without) = without.filter(|_| !context.stops()) {
                 path.remove(context, term, without)?;
                 continue 'determined;
             }
@@ -68,8 +69,8 @@ fn determined(
         break found;
     };
     for term in 0..path.terms.len() {
-        let near = path.fitted_without(context, term)?;
-        if let Some(without) = &near {
+        let near = if context.stops() { None } else { path.fitted_without(context, term)? };
+        if let Some(without) = near.as_ref().filter(|_| !context.stops()) {
             path.terms[term].gain = path.gain(&path.last, without);
         }
         // Without a fit that converges near the last one, the term keeps the gain with which it was added.

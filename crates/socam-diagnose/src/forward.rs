@@ -236,8 +236,8 @@ impl Path {
         self.terms.push(choice.term);
         self.noise = choice.noise;
         self.last = choice.fitted;
-        self.tests.clear();
         if context.stops() {
+            self.tests.clear();
             return Ok(());
         }
         if was >= DISPLACED {
@@ -246,11 +246,17 @@ impl Path {
         self.renew_noise(context)?;
         self.upgrade(context)?;
         self.simplify(context, self.terms.len() - 1)?;
+        // Nested laws are chosen from the last score test, so that it is cleared only now.
+        self.tests.clear();
         self.eliminate(context, self.terms.len() - 1)
     }
 
-    /// Estimates sensor noise and discrepancy from the last model's residuals, and fits the last model under them.
+    /// Estimates sensor noise and discrepancy from the last model's residuals, and fits the last model under them, unless the search was
+    /// ended.
     pub(crate) fn renew_noise(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
+        if context.stops() {
+            return Ok(());
+        }
         let noise = context.noise_at(&self.last.model, &self.last.at, self.noise.levels())?;
         let Some(noise) = noise else { return Ok(()) };
         if let Some(again) = context.refitted(&self.last, &noise)? {

@@ -136,7 +136,7 @@ fn begin(
     let values = carried_over((&before.model, &before.at.values), &grown);
     let iterations = if is_free { RESTART_ROUND } else { FIRST_ROUND };
     let round = (comparison::COARSE, iterations);
-    let problem = context.problem(&begun)?;
+    let problem = context.tentative(&begun)?;
     // Start states are estimated anew, because those of the previous fit compensate for the missing physics. Those of many short segments
     // do not, and take more iterations than a round has.
     let anew = comparison::descend(&problem, noise, &values, None, round)?;
@@ -167,13 +167,13 @@ pub(crate) fn descend_from_afar(
     noise: &NoiseModel,
     best: &[f64],
 ) -> Result<Option<Evaluation>, IdentifyError> {
-    let all = context.problem(model)?;
+    let all = context.tentative(model)?;
     let total = best.iter().sum();
     if best.len() == 1 {
         return context::descend_in_rounds(&all, noise, values, total, &LARGE_ROUNDS);
     }
     let most = (0..best.len()).max_by(|a, b| best[*a].total_cmp(&best[*b])).unwrap_or(0);
-    let one = Problem::new(model, std::slice::from_ref(&context.training[most]), context.fit.clone())?;
+    let one = Problem::new(model, std::slice::from_ref(&context.training[most]), context.tentative_fit())?;
     let (on_one, on_all) = LARGE_ROUNDS.split_at(ON_ONE);
     let near = context::descend_in_rounds(&one, noise, values, best[most], on_one)?;
     near.map_or(Ok(None), |near| context::descend_in_rounds(&all, noise, &near.values, total, on_all))
@@ -200,7 +200,8 @@ fn continued(
         return Ok(Contender { index, model, at, done });
     }
     let round = (comparison::COARSE, ROUND_ITERATIONS);
-    let next = comparison::descend(&context.problem(&model)?, noise, &at.values, Some((&model, &at)), round)?;
+    let next =
+        comparison::descend(&context.tentative(&model)?, noise, &at.values, Some((&model, &at)), round)?;
     let next = next.unwrap_or_else(|| at.clone());
     let unit = (next.total() / next.count.iter().sum::<f64>().max(1.0)).max(1.0);
     let done = next.converged || at.total() - next.total() < LEAST_FALL * unit;

@@ -48,7 +48,7 @@ impl Path {
         }
         let regressed = path.regressed(&motion);
         let fits = regressed.par_iter().enumerate().map(|(index, one)| {
-            let problem = context.problem(&one.model)?;
+            let problem = context.tentative(&one.model)?;
             let most = self.last.deviance();
             let at = context::descend_in_rounds(&problem, &self.noise, &one.fit.values, most, &ROUNDS)?;
             Ok(at.map(|at| Finalist { index, model: one.model.clone(), at }))

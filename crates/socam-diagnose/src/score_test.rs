@@ -225,7 +225,8 @@ fn scored_batch(
 ) -> Result<Vec<RankedCandidate>, IdentifyError> {
     let Ok((grown, groups)) = with_batch(model, batch) else { return Ok(Vec::new()) };
     let values = carried_over((model, &at.values), &grown);
-    let problem = Problem::new(&grown, datasets, options.clone())?;
+    let progress = options.progress.clone().tentative();
+    let problem = Problem::new(&grown, datasets, Options { progress, ..options.clone() })?;
     let base = free_parameters(model, &grown);
     let scores = comparison::score_test(&problem, noise_model, &values, (model, at), &base, &groups)?;
     let Some(scores) = scores else { return Ok(Vec::new()) };

@@ -108,7 +108,7 @@ impl Path {
         let datasets: Result<Vec<Dataset>, RecordingError> =
             context.training.iter().map(without_it).collect();
         let datasets = datasets?;
-        let problem = Problem::new(model, &datasets, context.fit.clone())?;
+        let problem = Problem::new(model, &datasets, context.tentative_fit())?;
         comparison::descend(&problem, &self.noise, &model.values(), None, (comparison::COARSE, ITERATIONS))
     }
 }

@@ -99,18 +99,35 @@ pub struct ProgressMonitor {
     observer: Option<Arc<dyn Observer>>,
     /// `None` where nothing can end the search.
     clock: Option<Arc<Clock>>,
+    is_tentative: bool,
 }
 
 impl ProgressMonitor {
     /// Reports to `observer`.
     pub fn by(observer: Arc<dyn Observer>) -> Self {
-        Self { observer: Some(observer), clock: Some(Arc::new(Clock::start(Budget::NONE))) }
+        Self {
+            observer: Some(observer),
+            clock: Some(Arc::new(Clock::start(Budget::NONE))),
+            is_tentative: false,
+        }
     }
 
     /// The same with a budget, whose time begins now.
     #[must_use]
     pub fn within(self, budget: Budget) -> Self {
         Self { clock: Some(Arc::new(Clock::start(budget))), ..self }
+    }
+
+    /// The same for work whose result is of no use once the search is ended, as that of a candidate's fit: where the search is ended, an
+    /// evaluation is given up on its way, as if the prediction had overflowed. One evaluation of a stiff model may take many seconds.
+    #[must_use]
+    pub fn tentative(self) -> Self {
+        Self { is_tentative: true, ..self }
+    }
+
+    /// Whether evaluations are given up on their way where the search is ended.
+    pub(crate) fn is_tentative(&self) -> bool {
+        self.is_tentative
     }
 
     /// Reports the state of the fit.

@@ -55,7 +55,7 @@ pub(super) fn scored_batch(
         }
     }
     let values = carried_over((&last.model, &last.at.values), &model);
-    let problem = context.problem(&model)?;
+    let problem = context.tentative(&model)?;
     let base = free_parameters(&last.model, &model);
     let from = (&last.model, &last.at);
     let scores = comparison::score_test(&problem, &path.noise, &values, from, &base, &heights)?;
@@ -131,7 +131,7 @@ impl Unexplained {
     }
 }
 
-/// A model with a term at its fit, and the fitted heights of its basis functions.
+/// A model with a term at its fit, and the fitted heights of its basis functions; `None` also where the search is ended.
 fn fitted_with_term(
     context: &Context<'_>,
     (model, values): (&Model, &[f64]),
@@ -144,9 +144,9 @@ fn fitted_with_term(
         grown.parameters[*height].fixed = !std.is_finite();
     }
     let values = carried_over((model, values), &grown);
-    let problem = context.problem(&grown)?;
+    let problem = context.tentative(&grown)?;
     let at = comparison::descend(&problem, noise, &values, None, (comparison::COARSE, ITERATIONS))?;
-    let Some(at) = at else { return Ok(None) };
+    let Some(at) = at.filter(|_| !context.stops()) else { return Ok(None) };
     let found = heights.iter().map(|height| at.values[*height]).collect();
     Ok(context.validated(&grown, at, noise)?.map(|fitted| (fitted, found)))
 }

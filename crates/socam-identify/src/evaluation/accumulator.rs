@@ -18,6 +18,7 @@ use crate::{
     optimiser::qr::{self, QrAccumulator},
     preprocessing::outlier_detector::OutlierDetector,
     problem::Problem,
+    progress::ProgressMonitor,
 };
 
 /// Length of the blocks of scores, s: longer than the correlation time of residuals after the filters of a noise model.
@@ -47,6 +48,8 @@ pub(crate) struct ResidualAccumulator<'w> {
     pub(crate) still: Vec<usize>,
     /// Sum of squares above which the evaluation is given up.
     pub(crate) most: f64,
+    /// The monitor whose end of the search gives the evaluation up; `None` where the evaluation is needed.
+    pub(crate) tentative: Option<ProgressMonitor>,
 }
 
 impl<'w> ResidualAccumulator<'w> {
@@ -88,6 +91,7 @@ impl<'w> ResidualAccumulator<'w> {
             present: Vec::new(),
             still: Vec::new(),
             most: f64::INFINITY,
+            tentative: None,
         }
     }
 
@@ -157,7 +161,12 @@ impl<'w> ResidualAccumulator<'w> {
         if let Some(scores) = &mut self.scores {
             scores.take(target.as_ref(), rows, &self.present, skipped);
         }
-        finite && self.weighted_squares <= self.most
+        finite && self.weighted_squares <= self.most && !self.is_given_up()
+    }
+
+    /// Whether the search was ended and the evaluation is of no use then.
+    pub(crate) fn is_given_up(&self) -> bool {
+        self.tentative.as_ref().is_some_and(ProgressMonitor::stops)
     }
 
     /// `None` where sensitivities overflowed.

@@ -32,7 +32,8 @@ pub(crate) fn run(
     point: &Point,
     weights: &Weights,
 ) -> Result<Evaluated, IdentifyError> {
-    run_below(problem, point, weights, f64::INFINITY)
+    let is_tentative = problem.options.progress.is_tentative();
+    evaluated(problem, point, weights, (f64::INFINITY, is_tentative))
 }
 
 /// Like [`run`], but given up as soon as one segment has a sum of squares above `most`: a step to such a point is refused anyway, and such
@@ -42,6 +43,28 @@ pub(crate) fn run_below(
     point: &Point,
     weights: &Weights,
     most: f64,
+) -> Result<Evaluated, IdentifyError> {
+    let is_tentative = problem.options.progress.is_tentative();
+    evaluated(problem, point, weights, (most, is_tentative))
+}
+
+/// Like [`run_below`], and given up where the search is ended: the step is then not made.
+pub(crate) fn run_trial(
+    problem: &Problem<'_>,
+    point: &Point,
+    weights: &Weights,
+    most: f64,
+) -> Result<Evaluated, IdentifyError> {
+    evaluated(problem, point, weights, (most, true))
+}
+
+/// Evaluates the model on every segment. It is given up where a segment has a sum of squares above `most`, and, if it is tentative, where the
+/// search is ended.
+fn evaluated(
+    problem: &Problem<'_>,
+    point: &Point,
+    weights: &Weights,
+    (most, is_tentative): (f64, bool),
 ) -> Result<Evaluated, IdentifyError> {
     problem.options.progress.proceed()?;
     let Ok((equations, sensitivities)) =
@@ -81,6 +104,7 @@ pub(crate) fn run_below(
             ResidualAccumulator::new(problem, time_s, weights, prewhitening, point.nuisance[index].len());
         rows.still.clone_from(&still);
         rows.most = most;
+        rows.tentative = is_tentative.then(|| problem.options.progress.clone());
         let integrator = || integrators.iter().find(|(known_s, _)| *known_s == time_s)?.1.as_ref();
         let finite = match &modal {
             Some(modal) => modal.predict(problem, index, point, weights, &mut rows)?,

@@ -233,7 +233,7 @@ fn accepted(
     refused: i32,
 ) -> Result<bool, IdentifyError> {
     let trial = moved(problem, at.linearisation(), step, SHORTER.powi(refused));
-    let Some(evaluated) = evaluation::run_below(problem, &trial, &at.weights, at.cost)? else {
+    let Some(evaluated) = evaluation::run_trial(problem, &trial, &at.weights, at.cost)? else {
         return Ok(false);
     };
     let cost = total_cost(problem, &trial, &at.weights, &evaluated);

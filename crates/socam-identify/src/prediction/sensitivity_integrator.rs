@@ -90,6 +90,11 @@ impl<'a> SensitivityIntegrator<'a> {
                         return;
                     }
                     for k in from..from + count {
+                        // A sample of a stiff model may take many steps.
+                        if rows.is_given_up() {
+                            finite = false;
+                            return;
+                        }
                         raw.iter_mut().zip(&chunk.inputs).for_each(|(raw, input)| *raw = input[k]);
                         polynomials.clear();
                         let along = chunk.held.iter().zip(&bases);
