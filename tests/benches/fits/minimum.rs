@@ -21,6 +21,9 @@ const UNIT: f64 = 1.0;
 pub(crate) struct Costs {
     /// Where the fit ended.
     pub(crate) own: f64,
+    /// Whether it converged there.
+    #[serde(skip)]
+    converged: bool,
     /// At the true values: what they leave more is chi-square where nothing is unmodelled.
     pub(crate) at_truth: Option<f64>,
     /// After a further descent from where the fit ended.
@@ -32,10 +35,13 @@ pub(crate) struct Costs {
 }
 
 impl Costs {
-    /// Cost of the fit minus the best known one.
+    /// Cost of the fit minus the best known one. A fit that converged is judged by the minimum it is at: its own filter of input noise
+    /// followed the parameters, so that the fixed one of the comparison has its minimum a little beside.
     pub(crate) fn above(&self) -> f64 {
+        let own =
+            self.continued.filter(|_| self.converged).map_or(self.own, |continued| continued.min(self.own));
         let others = [self.continued, self.from_truth, self.from_many].into_iter().flatten();
-        self.own - others.fold(self.own, f64::min)
+        own - others.fold(own, f64::min)
     }
 
     /// Whether the fit ended at the best known minimum.
@@ -81,6 +87,7 @@ fn compare(
     };
     Ok(Costs {
         own: at(&found.point)?.unwrap_or(f64::NAN),
+        converged: found.converged,
         at_truth: at(&truth.values())?,
         continued: descended(&found.point)?,
         from_truth: descended(&truth.values())?,

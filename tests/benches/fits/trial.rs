@@ -122,9 +122,11 @@ impl Trial {
     }
 
     /// Whether the verdict warns of nothing although a background or a flaw moved a parameter out of its interval; `None` where none was
-    /// moved.
+    /// moved. To begin in motion is nothing to warn of: start states are fitted.
     pub(crate) fn is_missing_warning(&self) -> Option<bool> {
-        let fit = self.fit.as_ref().filter(|_| !self.is_plain() && self.flaws.wrong_sign.is_none())?;
+        let flaws = Flaws { cut_s: 0.0, ..self.flaws.clone() };
+        let is_flawed = !self.background.is_empty() || !flaws.names().is_empty();
+        let fit = self.fit.as_ref().filter(|_| is_flawed && flaws.wrong_sign.is_none())?;
         let is_moved = fit.parameters.iter().any(|parameter| parameter.holds(MOVED) == Some(false));
         is_moved.then_some(fit.explained == Some(Explained::Yes))
     }
