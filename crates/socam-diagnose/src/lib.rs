@@ -71,7 +71,7 @@ mod sensor_left_out;
 mod shortlist;
 mod spectrum;
 pub mod steady;
-mod suspicions;
+mod suspects;
 mod words;
 
 pub use answer::INADEQUATE;
@@ -82,4 +82,4 @@ pub use options::Options;
 pub use screening::{Frozen, Screening, Suspect, screen};
 pub use socam_findings::{Diagnosis, Evidence, document, evidence};
 pub use steady::{SteadyOptions, diagnose_steady};
-pub use suspicions::suspicions;
+pub use suspects::suspects;

@@ -105,8 +105,8 @@ pub use prescribed_motion::{PrescribedMotion, TorqueFit};
 pub use problem::{Constraint, Noise, Options, Problem, StartState};
 pub use progress::{Observer, Progress, ProgressMonitor, Stage};
 pub use report::{
-    ChannelFit, CombinationEstimate, Explained, Fit, Identification, ParameterChange, ParameterEstimate,
-    SCHEMA, Source, Suspicion, Verdict,
+    ChannelFit, CombinationEstimate, Explained, Fit, Identification, Move, ParameterEstimate, SCHEMA, Source,
+    Suspect, Verdict,
 };
 pub use socam_model::Intersample;
 pub use uncertainty::{

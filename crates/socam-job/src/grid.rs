@@ -54,6 +54,7 @@ impl Grid<'_> {
 /// A recording for a fit of `model`: irregular samples are put on a regular grid, with `parts` points per sample if the model has inputs
 /// with corners at their samples.
 fn on_regular_grid(data: Dataset, model: &Model, parts: u32) -> std::result::Result<Dataset, RecordingError> {
+    let data = data.on_even_times()?;
     if !data.steps()?.are_irregular() {
         return Ok(data);
     }

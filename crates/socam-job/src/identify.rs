@@ -193,21 +193,14 @@ impl Identify {
             let checked = held_out.iter().try_for_each(|dataset| band.check(dataset));
             checked.map_err(|error| JobError::value("band", "--band", format!(": {error}")))?;
         }
-        let mut result = match self.method {
+        let result = match self.method {
             Method::InverseDynamics => socam_identify::inverse_dynamics(model, training)?,
             Method::Frf | Method::Etf | Method::CoefficientMatch => {
                 let problem = ": only output-error and inverse-dynamics fit the model's parameters to signals over time";
                 return Err(JobError::value("method", "--method", problem));
             }
-            Method::OutputError => {
-                let problem = Problem::new(model, training, options.clone()).map_err(in_words)?;
-                socam_identify::output_error(&problem)?
-            }
+            Method::OutputError => fitted(model, training, &options)?,
         };
-        if is_left(&result) && result.end != End::Interrupted {
-            let suspected = socam_diagnose::suspicions(model, training, &result, &options)?;
-            result.allow_for(model, suspected);
-        }
         // The remaining work is short, and is done even after an interrupted search.
         let options = Options { progress: ProgressMonitor::default(), ..options };
         let validation = socam_identify::validate(model, held_out, &result, &options, self.band);
@@ -262,10 +255,25 @@ impl Identify {
     }
 }
 
+/// The fit of a model to recordings by output error. Where it misses them by more than noise, its intervals allow for effects that the model
+/// may leave out.
+///
+/// # Errors
+/// When recordings and model do not go together, or the caller cancels.
+pub fn fitted(model: &Model, recordings: &[Dataset], options: &Options) -> Result<Identification> {
+    let problem = Problem::new(model, recordings, options.clone()).map_err(|error| in_words(model, error))?;
+    let mut found = socam_identify::output_error(&problem)?;
+    if is_left(&found) && found.end != End::Interrupted {
+        let suspected = socam_diagnose::suspects(model, recordings, &found, options)?;
+        found.allow_for(model, suspected);
+    }
+    Ok(found)
+}
+
 /// Whether a fit misses its recordings by more than noise.
 fn is_left(result: &Identification) -> bool {
     let explained = result.verdict.as_ref().map(|verdict| verdict.explained);
-    matches!(explained, Some(Explained::InPart | Explained::No))
+    matches!(explained, Some(Explained::InPart | Explained::No | Explained::NotJudged))
 }
 
 /// The error, with a remedy if the recording belongs to another model.

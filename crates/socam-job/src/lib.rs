@@ -34,7 +34,7 @@ pub use diagnose::{Diagnose, Diagnosed, HeldOutRecording, OpenRecording};
 pub use error::{JobError, Result};
 pub use fleet::FleetRow;
 pub use grid::Grid;
-pub use identify::{Calibrated, Identified, Identify, Method, NOT_OVER_FREQUENCY};
+pub use identify::{Calibrated, Identified, Identify, Method, NOT_OVER_FREQUENCY, fitted};
 pub use model::{MODEL_HELP, ModelSettings, load_model, model_text};
 pub use options::Settings;
 pub use record::Record;

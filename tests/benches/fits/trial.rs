@@ -2,7 +2,7 @@
 
 use cpu_time::ThreadTime;
 use serde::Serialize;
-use socam_identify::{Explained, Identification, Options, Problem, output_error};
+use socam_identify::{Explained, Identification, Options, Suspect};
 use socam_job::Grid;
 use socam_model::Model;
 
@@ -75,6 +75,7 @@ pub(crate) struct Fit {
     pub(crate) sign: Option<String>,
     pub(crate) costs: Costs,
     pub(crate) parameters: Vec<Parameter>,
+    pub(crate) suspects: Vec<Suspect>,
     pub(crate) warnings: Vec<String>,
 }
 
@@ -85,7 +86,7 @@ impl Trial {
         let clock = ThreadTime::now();
         // As `identify` does.
         let options = Options { try_other_intersamples: true, ..Options::default() };
-        let found = Problem::new(&base, &data, options).and_then(|problem| output_error(&problem));
+        let found = socam_job::fitted(&base, &data, &options);
         let cpu_s = clock.elapsed().as_secs_f64();
         let found = found.map_err(|error| error.to_string());
         let (fit, error) = match found {
@@ -180,6 +181,7 @@ impl Fit {
             sign: found.warnings.iter().find_map(|warning| of_wrong_sign(warning)),
             costs,
             parameters: parameters((base, truth), &found),
+            suspects: found.suspects,
             warnings: found.warnings,
         }
     }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::{
-    between::Between, optimiser::descent::End, preprocessing::mask::LeftOut, report::suspicion::Suspicion,
+    between::Between, optimiser::descent::End, preprocessing::mask::LeftOut, report::suspects::Suspect,
 };
 
 /// Version of [`Identification`]'s JSON form.
@@ -101,10 +101,13 @@ pub(crate) fn as_map<T: Serialize, S: serde::Serializer>(
 #[serde(rename_all = "snake_case")]
 pub enum Explained {
     /// No output is left by more than its sensor's noise.
+    #[serde(rename = "explained")]
     Yes,
     /// Most of each output, but at least one is left by several times its noise: intervals hold scatter, not what the model lacks.
+    #[serde(rename = "explained_to")]
     InPart,
     /// An output is left by many times its noise and a fifth of its standard deviation.
+    #[serde(rename = "not_explained")]
     No,
     /// No output has a noise level to compare with: all are filtered.
     NotJudged,
@@ -161,11 +164,17 @@ pub struct Identification {
     pub nuisance: Vec<ParameterEstimate>,
     /// Fit of the model to the recordings.
     pub fit: Fit,
-    /// Whether the model explains the recordings, in units of the sensors' noise; `None` for inverse dynamics.
+    /// Whether the model explains the recordings; `None` for inverse dynamics.
+    pub fit_verdict: Option<Explained>,
+    /// Residual of each output in units of its sensor's noise, where that is known.
+    #[serde(serialize_with = "as_map")]
+    pub misfit: Vec<(String, f64)>,
+    /// What the verdict rests on.
+    #[serde(skip)]
     pub verdict: Option<Verdict>,
     /// Effects that the model may leave out, the one that would explain most first; empty where the model explains the recordings, or no
     /// effect was tried.
-    pub suspicions: Vec<Suspicion>,
+    pub suspects: Vec<Suspect>,
     /// Noise levels of the inputs that were used, SI, by channel name; zero where an input was taken as exact; empty for inverse
     /// dynamics.
     #[serde(serialize_with = "as_map")]

@@ -7,7 +7,7 @@ mod intersample_check;
 mod model_text;
 mod offsets;
 mod sign_check;
-mod suspicion;
+mod suspects;
 mod verdict;
 mod warnings;
 
@@ -18,7 +18,7 @@ pub use identification::{
     Verdict,
 };
 
-pub use suspicion::{ParameterChange, Suspicion};
+pub use suspects::{Move, Suspect};
 
 use socam_model::Model;
 
@@ -120,8 +120,10 @@ pub(crate) fn identification(
         combinations: combinations(problem, &descent.point.values, &uncertainty),
         nuisance: offsets(problem, &descent.point.nuisance, results, &uncertainty, &weights.scales),
         fit,
+        fit_verdict: Some(verdict.explained),
+        misfit: misfit(problem.model, &channels, &sensor_noise),
         verdict: Some(verdict),
-        suspicions: Vec::new(),
+        suspects: Vec::new(),
         input_noise_std: input_noise_std(problem.model, &weights.input_std),
         between: problem
             .model
@@ -135,6 +137,13 @@ pub(crate) fn identification(
         point: descent.point.values,
         cost,
     })
+}
+
+/// Residual of each output in units of its sensor's noise, where that is known.
+fn misfit(model: &Model, channels: &[ChannelSums], noise: &[Option<f64>]) -> Vec<(String, f64)> {
+    let each = model.outputs().zip(channels).zip(noise);
+    let each = each.filter(|((_, sums), _)| sums.count > 0.0);
+    each.filter_map(|((channel, sums), std)| Some((channel.name.clone(), sums.rms() / (*std)?))).collect()
 }
 
 /// Warning about a fit that did not end at a minimum.

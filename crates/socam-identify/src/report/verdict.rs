@@ -12,7 +12,7 @@ use crate::{
 
 /// Ratio of residual to noise up to which a channel is explained, if its noise is stated, and if it is estimated from the fastest content of
 /// the channel, which may hold less than coloured noise has.
-const EXPLAINED: [f64; 2] = [1.5, 3.0];
+const EXPLAINED: [f64; 2] = [1.5, 2.0];
 /// Ratio of residual to noise, and to the channel's standard deviation, above which a channel is not explained.
 const NOT_EXPLAINED: [f64; 2] = [10.0, 0.2];
 

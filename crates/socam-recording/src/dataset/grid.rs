@@ -45,6 +45,15 @@ impl Resampled {
         }
     }
 
+    /// Appends a row.
+    pub(super) fn push(&mut self, time_s: f64, values: impl Iterator<Item = f64>) {
+        self.table.time_s.push(time_s);
+        self.table.columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+        if self.table.rows() >= BLOCK_ROWS {
+            self.flush();
+        }
+    }
+
     pub(super) fn flush(&mut self) {
         self.tally.append(&self.table);
         self.kept.append(&self.table, self.expected_rows);

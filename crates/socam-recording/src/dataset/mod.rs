@@ -3,6 +3,7 @@
 mod block;
 mod blocks;
 mod data;
+mod even;
 mod grid;
 mod keep;
 mod open;

@@ -17,7 +17,7 @@ const UNEVEN: f64 = 0.05;
 /// Share of irregular steps above which a recording is irregular.
 const IRREGULAR: f64 = 0.02;
 /// Longest step that is interpolated over, in median steps.
-const BRIDGED: f64 = 4.0;
+pub(super) const BRIDGED: f64 = 4.0;
 
 /// Statistics of the time steps of a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,7 +80,8 @@ impl Dataset {
     /// # Errors
     /// As [`Self::on_regular_grid`].
     pub fn regular(self) -> Result<Self> {
-        if self.steps()?.are_irregular() { self.on_regular_grid(1, |_| Carry::Smooth) } else { Ok(self) }
+        let data = self.on_even_times()?;
+        if data.steps()?.are_irregular() { data.on_regular_grid(1, |_| Carry::Smooth) } else { Ok(data) }
     }
 
     /// The recording on a regular grid of `parts` points per median step; `carry` says how each channel is resampled.
@@ -124,16 +125,18 @@ impl Dataset {
         if let Some(open) = segment {
             open.finish(&carries, &mut out);
         }
-        self.resampled(out, steps, (parts, step_s), gaps)
+        let (least_ms, most_ms) = (1e3 * steps.range_s.0, 1e3 * steps.range_s.1);
+        let note = format!(
+            "its time stamps are irregular (steps of {least_ms:.3} to {most_ms:.3} ms, half of them below {:.3} ms): it was put on a grid of {:.3} ms, inputs interpolated and every other sample shifted to the nearest point along its own curve; {gaps} steps above {:.1} ms are left as gaps",
+            1e3 * steps.median_s,
+            1e3 * step_s,
+            1e3 * BRIDGED * steps.median_s,
+        );
+        self.resampled(out, parts, note)
     }
 
-    fn resampled(
-        &self,
-        mut out: Resampled,
-        steps: Steps,
-        (parts, step_s): (u32, f64),
-        gaps: u64,
-    ) -> Result<Self> {
+    /// The recording with these rows in place of its own, `parts` for each sample, and a note about them.
+    pub(super) fn resampled(&self, mut out: Resampled, parts: u32, note: String) -> Result<Self> {
         out.flush();
         let Resampled { tally, kept, .. } = out;
         let rows = tally.rows;
@@ -148,14 +151,8 @@ impl Dataset {
                 return Err(RecordingError::Table { name: self.name.clone(), problem });
             }
         };
-        let (least_ms, most_ms) = (1e3 * steps.range_s.0, 1e3 * steps.range_s.1);
         let mut warnings = self.warnings.clone();
-        warnings.push(Warning::Note(format!(
-            "its time stamps are irregular (steps of {least_ms:.3} to {most_ms:.3} ms, half of them below {:.3} ms): it was put on a grid of {:.3} ms, inputs interpolated and every other sample shifted to the nearest point along its own curve; {gaps} steps above {:.1} ms are left as gaps",
-            1e3 * steps.median_s,
-            1e3 * step_s,
-            1e3 * BRIDGED * steps.median_s,
-        )));
+        warnings.push(Warning::Note(note));
         Ok(Self {
             statistics: tally.running.into_iter().map(crate::statistics::Running::finish).collect(),
             segments,

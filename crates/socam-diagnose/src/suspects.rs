@@ -1,8 +1,8 @@
 //! Which effects a fitted model may leave out, and what its parameters would be with each of them: one score test, without a search.
 
 use socam_identify::{
-    Identification, Options, ParameterChange, Problem, Suspicion,
-    comparison::{self, NoiseModel},
+    Identification, Move, Options, Problem, Suspect,
+    comparison::{self, Evaluation, NoiseModel},
 };
 use socam_model::Model;
 use socam_recording::Dataset;
@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// Least gain of a suspected effect, as a share of the largest gain of any. Others may act as well, but explain the data less.
-const PLAUSIBLE: f64 = 0.3;
+const PLAUSIBLE: f64 = 0.1;
 /// Largest family-wise p-value of a suspected effect.
 const SIGNIFICANT: f64 = 0.05;
 
@@ -25,7 +25,7 @@ const SIGNIFICANT: f64 = 0.05;
 /// free parameter that goes with it. Empty where no effect of the catalogue is significant. `options` are those of the fit.
 ///
 /// # Method
-/// The score test of every effect at every place under the noise levels of the fit. A suspected effect explains at least a third of what
+/// The score test of every effect at every place under the noise levels of the fit. A suspected effect explains at least a tenth of what
 /// the best one does. The changes are those of one linear step of effect and parameters together.
 ///
 /// # Errors
@@ -33,12 +33,12 @@ const SIGNIFICANT: f64 = 0.05;
 ///
 /// # Breaks when
 /// The effect is large: its size and the changes are linearised at the fit. Two effects that only together explain the data are not found.
-pub fn suspicions(
+pub fn suspects(
     model: &Model,
     datasets: &[Dataset],
     found: &Identification,
     options: &Options,
-) -> Result<Vec<Suspicion>, DiagnoseError> {
+) -> Result<Vec<Suspect>, DiagnoseError> {
     let mut settled = model.clone();
     found.state_between(&mut settled)?;
     let model = &settled;
@@ -51,11 +51,11 @@ pub fn suspicions(
     let scales = Scales::new(&problem, model, &noise, &at)?;
     let all = candidates::all(model, &scales);
     let ranked = score_test::run(model, &datasets, options, &noise, &at, (&scales, &all))?;
-    Ok(plausible(model, &ranked, at.total()))
+    Ok(plausible(model, &ranked, &at))
 }
 
-/// The best grid point of each effect and place that explains much of the squares `total`.
-fn plausible(model: &Model, ranked: &[RankedCandidate], total: f64) -> Vec<Suspicion> {
+/// The best grid point of each effect and place that explains much of what is left.
+fn plausible(model: &Model, ranked: &[RankedCandidate], at: &Evaluation) -> Vec<Suspect> {
     let mut kept: Vec<&RankedCandidate> = Vec::new();
     for one in ranked.iter().filter(|one| one.possible && one.p_value < SIGNIFICANT) {
         let most = kept.first().map_or(0.0, |best| best.score.gain);
@@ -63,24 +63,20 @@ fn plausible(model: &Model, ranked: &[RankedCandidate], total: f64) -> Vec<Suspi
             kept.push(one);
         }
     }
-    kept.into_iter().map(|one| suspicion(model, one, total)).collect()
+    kept.into_iter().map(|one| suspect(model, one, (&at.values, at.total()))).collect()
 }
 
-fn suspicion(model: &Model, one: &RankedCandidate, total: f64) -> Suspicion {
-    let free = model.parameters.iter().filter(|parameter| !parameter.fixed);
-    let changes = free.zip(&one.score.base_step).zip(&one.score.base_std);
-    let (start, explains) = (&one.start, (one.score.gain / total).clamp(0.0, 1.0));
-    Suspicion {
-        effect: start.effect.id.to_owned(),
-        name: start.effect.name.to_owned(),
-        place: start.place.clone(),
-        explains,
-        changes: changes
-            .map(|((parameter, change), std)| ParameterChange {
-                name: parameter.name.clone(),
-                change: *change,
-                std: *std,
-                unit: parameter.unit.clone(),
+fn suspect(model: &Model, one: &RankedCandidate, (values, total): (&[f64], f64)) -> Suspect {
+    let free = model.parameters.iter().zip(values).filter(|(parameter, _)| !parameter.fixed);
+    let moves = free.zip(&one.score.base_step).zip(&one.score.base_std);
+    Suspect {
+        effect: one.start.effect.id.to_owned(),
+        name: one.start.effect.name.to_owned(),
+        location: one.start.place.clone(),
+        explains: (one.score.gain / total).clamp(0.0, 1.0),
+        moves: moves
+            .map(|(((parameter, from), step), std)| {
+                (parameter.name.clone(), Move { from: *from, to: from + step, std: *std })
             })
             .collect(),
     }

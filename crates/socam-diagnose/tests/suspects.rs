@@ -1,6 +1,6 @@
 //! What a fit says of effects that its model leaves out, on a motor with dry friction that this file integrates by small Euler steps.
 
-use socam_diagnose::suspicions;
+use socam_diagnose::suspects;
 use socam_identify::{Identification, Options, Problem, output_error};
 use socam_model::Model;
 use socam_recording::{Channel, Dataset, Unit};
@@ -77,11 +77,11 @@ fn intervals_hold_what_missing_friction_does_to_the_damping() {
         let data = [recording(seed, 0.2)];
         let mut found = fitted(&data);
         assert_eq!(holds(&found, 1), Some(false), "without the allowance: {:?}", found.parameters);
-        let suspected = suspicions(&model(), &data, &found, &Options::default()).unwrap();
+        let suspected = suspects(&model(), &data, &found, &Options::default()).unwrap();
         let friction = suspected.iter().find(|one| one.effect == "coulomb_friction").expect("suspected");
-        let damping = friction.changes.iter().find(|change| change.name == "damping").unwrap();
-        let error = damping.change - (TRUTH[1] - found.point[1]);
-        assert!(error.abs() < 0.35 * damping.change.abs(), "{damping:?}, off by {error}");
+        let (_, damping) = friction.moves.iter().find(|(name, _)| name == "damping").unwrap();
+        let error = damping.to - TRUTH[1];
+        assert!(error.abs() < 0.35 * (damping.to - damping.from).abs(), "{damping:?}, off by {error}");
         found.allow_for(&model(), suspected);
         assert_ne!(holds(&found, 0), Some(false), "{:?}", found.parameters);
         assert_ne!(holds(&found, 1), Some(false), "{:?}", found.parameters);
@@ -92,6 +92,6 @@ fn intervals_hold_what_missing_friction_does_to_the_damping() {
 #[test]
 fn a_complete_model_is_not_suspected() {
     let data = [recording(7, 0.0)];
-    let suspected = suspicions(&model(), &data, &fitted(&data), &Options::default()).unwrap();
+    let suspected = suspects(&model(), &data, &fitted(&data), &Options::default()).unwrap();
     assert!(suspected.is_empty(), "{suspected:?}");
 }
