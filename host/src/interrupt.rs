@@ -6,8 +6,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::output;
 
-/// Exit code after an interrupt that ended the process at once: that of a program without a handler, as shells report it.
-const ENDED_AT_ONCE: i32 = 130;
+/// Exit code after an interrupt that ended the process or its search: that of a program without a handler, as shells report it.
+pub(crate) const INTERRUPTED: u8 = 130;
 
 /// The process has one handler.
 static LISTENER: OnceLock<Interrupt> = OnceLock::new();
@@ -73,7 +73,7 @@ impl Interrupt {
         let unfinished = self.0.unfinished.lock().unwrap_or_else(PoisonError::into_inner);
         unfinished.iter().for_each(|file| drop(std::fs::remove_file(file)));
         output::say(why);
-        std::process::exit(ENDED_AT_ONCE);
+        std::process::exit(INTERRUPTED.into());
     }
 
     fn take(&self) {

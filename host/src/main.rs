@@ -1,8 +1,8 @@
 //! `socam-host`: records a drivetrain bench, identifies it, and says where and why simulation and recording differ.
 //!
 //! Results go to stdout, messages to stderr. Exit codes: 0 done; 1 failed; 2 wrong arguments; 3 done, but samples were lost, or a recording
-//! is damaged or cut off; 4 done with the best answer so far, because `--budget` or Ctrl-C ended the search. A second Ctrl-C ends a fit at once,
-//! without a result: 130, as shells report it for any interrupted program.
+//! is damaged or cut off; 130 interrupted, as shells report it for any program. An answer that `--budget` ended is an answer: 0. The first
+//! Ctrl-C ends a search, whose best answer so far is printed, without a model; a second one ends the program at once, without an answer.
 
 mod alarms;
 mod calibrated;

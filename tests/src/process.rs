@@ -94,15 +94,16 @@ impl Ran {
         serde_json::from_str(&text).unwrap_or_else(|error| panic!("not one JSON document ({error}): {text}"))
     }
 
-    /// The JSON document of a program whose search was ended before its own end.
+    /// The JSON document of a program whose search was ended before its own end: by its `budget`, or `interrupted`.
     ///
     /// # Panics
     /// When it ended otherwise, or printed anything else.
     #[must_use]
-    pub fn unfinished_json(self) -> serde_json::Value {
-        assert_eq!(self.code, Some(4), "{}", self.stderr);
+    pub fn unfinished_json(self, end: &str) -> serde_json::Value {
+        let code = if end == "interrupted" { 130 } else { 0 };
+        assert_eq!(self.code, Some(code), "{}", self.stderr);
         let document = Self { code: Some(0), ..self }.json();
-        assert_eq!(document["finished"], false);
+        assert_eq!((&document["end"], &document["finished"]), (&end.into(), &false.into()));
         document
     }
 

@@ -1,5 +1,5 @@
-//! The end of a search: by `--budget` or by the first Ctrl-C it ends with its best result, marked as unfinished; the second Ctrl-C ends it at once
-//! and leaves no file half-written.
+//! The end of a search: by `--budget` or by the first Ctrl-C it ends with its best result, marked as unfinished. A budget is kept by an answer
+//! like any other (exit code 0); an interrupted one (130) writes no model. The second Ctrl-C ends it at once and leaves no file half-written.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -43,9 +43,9 @@ fn diagnosis(folder: &Path) -> Command {
 }
 
 /// What holds of every diagnosis that was ended before its first choice.
-fn assert_not_judged(document: &serde_json::Value, end: &str, how: &str) {
+fn assert_not_judged(document: &serde_json::Value, how: &str) {
     assert_eq!(document["schema"], "socam.diagnosis/1");
-    assert_eq!((&document["end"], &document["verdict"]), (&end.into(), &"not_judged".into()));
+    assert_eq!(document["verdict"], "not_judged");
     assert_eq!(
         (&document["findings"], &document["not_found"]),
         (&serde_json::json!([]), &serde_json::json!([]))
@@ -55,10 +55,17 @@ fn assert_not_judged(document: &serde_json::Value, end: &str, how: &str) {
     assert!(document["parameters"].as_array().unwrap().iter().any(|own| own["after"].is_number()));
 }
 
+/// Names of the files in a folder, in order.
+fn names(folder: &Path) -> Vec<String> {
+    let names = folder.read_dir().unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
 /// Whether the model is half-written.
 fn has_part(folder: &Path) -> bool {
-    let names = folder.read_dir().unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
-    names.into_iter().any(|name| name.starts_with("model.toml.") && name.ends_with(".part"))
+    names(folder).iter().any(|name| name.starts_with("model.toml.") && name.ends_with(".part"))
 }
 
 /// Ctrl-C, as a terminal sends it.
@@ -72,8 +79,9 @@ fn an_interrupted_search_reports_its_best_point() {
     let folder = tempfile::tempdir().unwrap();
     let child = searching(folder.path());
     interrupt(&child);
-    let result = Ran::from(child.wait_with_output().unwrap()).unfinished_json();
-    assert_eq!(result["end"], "interrupted");
+    let ran = Ran::from(child.wait_with_output().unwrap());
+    assert!(ran.stderr.contains("model.toml` was not written"), "{}", ran.stderr);
+    let result = ran.unfinished_json("interrupted");
     assert_eq!(result["converged"], false);
     let warnings = result["warnings"].as_array().unwrap();
     let said = |text: &str| warnings.iter().any(|warning| warning.as_str().unwrap().contains(text));
@@ -85,15 +93,7 @@ fn an_interrupted_search_reports_its_best_point() {
     );
     let determined = result["parameters"].as_array().unwrap().iter().filter(|p| p["identifiable"] == true);
     assert!(determined.clone().count() > 0 && determined.clone().all(|p| p["std"].as_f64().unwrap() > 0.0));
-    let model = folder.path().join("model.toml");
-    assert!(std::fs::read_to_string(&model).unwrap().contains("unfinished search"));
-    assert!(!has_part(folder.path()));
-    // The fit continues from the file that was written.
-    let arguments = ["identify", "--starts", "1", "--model", model.to_str().unwrap(), "--json"];
-    let recording = folder.path().join("run.csv");
-    let resumed = run(arguments.into_iter().chain([recording.to_str().unwrap()])).json();
-    assert_eq!((&resumed["converged"], &resumed["finished"]), (&true.into(), &true.into()));
-    assert!(resumed.get("unfinished").is_none());
+    assert_eq!(names(folder.path()), ["run.csv"]);
 }
 
 #[test]
@@ -105,8 +105,16 @@ fn a_fit_ends_within_its_budget() {
         let fixed = ["identify", recording.to_str().unwrap(), "--starts", "1000", "--budget", budget];
         run(fixed.iter().chain(more))
     };
-    let result = with("1ms", &["--json"]).unfinished_json();
-    assert_eq!((&result["end"], &result["converged"]), (&"budget".into(), &false.into()));
+    let model = folder.path().join("model.toml");
+    let model = model.to_str().unwrap();
+    let result = with("1ms", &["--json", "--write-model", model]).unfinished_json("budget");
+    assert_eq!(result["converged"], false);
+    assert!(std::fs::read_to_string(model).unwrap().contains("unfinished search"));
+    // The fit continues from the file that was written.
+    let arguments = ["identify", "--starts", "1", "--json", "--model", model, recording.to_str().unwrap()];
+    let resumed = run(arguments).json();
+    assert_eq!((&resumed["converged"], &resumed["finished"]), (&true.into(), &true.into()));
+    assert!(resumed.get("unfinished").is_none());
     let text = with("1ms", &[]);
     let first = text.stdout.lines().next().unwrap();
     assert!(
@@ -120,31 +128,39 @@ fn a_fit_ends_within_its_budget() {
 #[test]
 fn a_diagnosis_ends_within_its_budget() {
     let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("model.toml");
     let within = |budget: &str| {
         let since = Instant::now();
-        let output = diagnosis(folder.path()).args(["--json", "--budget", budget]).output().unwrap();
-        (Ran::from(output), since.elapsed())
+        let mut command = diagnosis(folder.path());
+        command.args(["--json", "--budget", budget, "--force", "--write-model"]).arg(&model);
+        (Ran::from(command.output().unwrap()), since.elapsed())
     };
     // What remains to be done without any time for the search, on this machine.
     let (ran, least) = within("1ms");
-    assert_not_judged(&ran.unfinished_json(), "budget", "The search was ended after ");
+    assert_not_judged(&ran.unfinished_json("budget"), "The search was ended after ");
+    assert!(std::fs::read_to_string(&model).unwrap().contains("unfinished diagnosis"));
     let (ran, elapsed) = within("2s");
     assert!(elapsed < 3 * (Duration::from_secs(2) + least), "{elapsed:?}, {least:?} without a search");
     // A machine of another age may finish it.
-    let document = if ran.code == Some(4) { ran.unfinished_json() } else { ran.json() };
-    assert!(document["findings"].is_array());
+    assert!(ran.json()["findings"].is_array());
 }
 
 #[test]
 fn an_interrupted_diagnosis_says_what_it_has() {
     let folder = tempfile::tempdir().unwrap();
-    let (child, _) = begun(diagnosis(folder.path()), folder.path());
+    // An earlier model is left as it was.
+    let (model, report) = (folder.path().join("model.toml"), folder.path().join("report"));
+    std::fs::write(&model, "earlier").unwrap();
+    let mut command = diagnosis(folder.path());
+    command.arg("--force").arg("--report").arg(&report);
+    let (child, _) = begun(command, folder.path());
     interrupt(&child);
-    let document = Ran::from(child.wait_with_output().unwrap()).unfinished_json();
-    assert_not_judged(&document, "interrupted", "The search was interrupted after ");
-    let model = std::fs::read_to_string(folder.path().join("model.toml")).unwrap();
-    assert!(model.contains("unfinished diagnosis"), "{model}");
+    let ran = Ran::from(child.wait_with_output().unwrap());
+    assert!(ran.stderr.contains("model.toml` was not written"), "{}", ran.stderr);
+    assert_not_judged(&ran.unfinished_json("interrupted"), "The search was interrupted after ");
+    assert_eq!(std::fs::read_to_string(&model).unwrap(), "earlier");
     assert!(!has_part(folder.path()));
+    assert_eq!(names(&report), ["diagnosis.json", "index.html"]);
 }
 
 #[test]
@@ -161,6 +177,5 @@ fn a_second_interrupt_ends_at_once_and_leaves_nothing() {
     interrupt(&child);
     let ran = Ran::from(child.wait_with_output().unwrap());
     assert_eq!((ran.code, ran.stdout.as_str()), (Some(130), ""), "{}", ran.stderr);
-    let left: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|file| file.unwrap().file_name()).collect();
-    assert_eq!(left, ["run.csv"]);
+    assert_eq!(names(folder.path()), ["run.csv"]);
 }

@@ -75,6 +75,14 @@ pub struct Diagnosis {
     pub overlay: Option<Overlay>,
 }
 
+impl Diagnosis {
+    /// Whether its user ended the search. Its model is then not written anywhere.
+    #[must_use]
+    pub fn is_interrupted(&self) -> bool {
+        self.end == SearchEnd::Interrupted
+    }
+}
+
 /// The verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

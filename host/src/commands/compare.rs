@@ -67,7 +67,10 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     }
     if let (Some(model), false) = (&args.task.model, args.json) {
         output::print("\nWhat the model lacks\n")?;
-        diagnose::of_one(&args.run, model)?;
+        let outcome = diagnose::of_one(&args.run, model)?;
+        if outcome == Outcome::Interrupted {
+            return Ok(outcome);
+        }
     }
     if done.comparison.verdict == socam_compare::Verdict::NothingCompared {
         return Ok(Outcome::NothingJudged);

@@ -2,14 +2,13 @@
 
 mod text;
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use socam_diagnose::Answer;
 use socam_job::{Diagnose, Grid, HeldOutRecording, JobError, Settings};
-use socam_recording::{OutputFile, Steady};
+use socam_recording::Steady;
 
-use super::Outcome;
+use super::{ModelFile, Outcome};
 use crate::interrupt::Interrupt;
 use crate::{output, provenance, watch};
 pub(crate) use text::text;
@@ -18,8 +17,8 @@ pub(crate) use text::text;
 ///
 /// Fits the model to the recordings, tests whether anything is missing, tries every effect of the catalogue at every place, and keeps those
 /// that predict better in cross-validation (leave one recording out). Recordings of --holdout are read only after the last choice, for
-/// validation; until then only their checksums are compared. Without them the result is not validated. After the time of --budget, or by
-/// Ctrl-C, the search ends, and what was found so far is the answer (exit code 4); a second Ctrl-C ends at once.
+/// validation; until then only their checksums are compared. Without them the result is not validated. After the time of --budget the
+/// search ends, and what was found so far is the answer. Ctrl-C does the same, but writes no model (exit code 130); a second one ends at once.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host diagnose RUN1.mcap RUN2.mcap --holdout RUN3.mcap
@@ -33,13 +32,13 @@ pub(crate) struct Args {
     holdout: Vec<String>,
     #[command(flatten)]
     task: Diagnose,
-    /// Write the corrected model to this file
+    /// Write the corrected model to this file, unless Ctrl-C ended the search
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
     /// Replace the file of --write-model, if it exists
     #[arg(long)]
     force: bool,
-    /// Write index.html, diagnosis.json and model.toml into this directory
+    /// Write index.html, diagnosis.json and (unless Ctrl-C ended the search) model.toml into this directory
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     /// Print one JSON document instead of tables
@@ -66,8 +65,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let model = args.task.model.load()?;
     let tables = args.task.are_tables(&args.runs, &args.holdout)?;
     let interrupt = Interrupt::listen();
-    let target = args.write_model.as_deref().map(|path| output::create_new(path, args.force)).transpose()?;
-    interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
+    let target = args.write_model.as_deref().map(|path| ModelFile::create(path, args.force, &interrupt));
+    let target = target.transpose()?;
     let (done, training) = if tables {
         let tables = args.runs.iter().map(table).collect::<Result<Vec<_>, _>>()?;
         (args.task.run_steady(model, &tables)?, Vec::new())
@@ -81,10 +80,9 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         (done, training)
     };
     let Answer { diagnosis, evidence, model_toml } = &done.answer;
-    if let Some(mut target) = target {
-        target.write_all(model_toml.as_bytes())?;
-        target.commit()?;
-        interrupt.unfinished(None);
+    let is_interrupted = diagnosis.is_interrupted();
+    if let Some(target) = target {
+        target.write(model_toml, is_interrupted)?;
     }
     if let Some(dir) = &args.report {
         let (name, model) = (&args.task.model.model, &done.model);
@@ -97,7 +95,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         diagnosis.warnings.iter().for_each(output::warn);
         output::print(&text(diagnosis))?;
     }
-    Ok(Outcome::on(training.iter().chain(&done.held_out)).of_search(diagnosis.finished))
+    Ok(Outcome::on(training.iter().chain(&done.held_out)).unless_interrupted(is_interrupted))
 }
 
 fn table(run: &String) -> Result<Steady, JobError> {

@@ -9,15 +9,14 @@ mod files;
 mod frf;
 mod result;
 
-use std::io::Write;
 use std::path::PathBuf;
 
+use socam_identify::End;
 use socam_job::{Grid, Identify, Method, NOT_OVER_FREQUENCY, Settings, inputs};
-use socam_recording::OutputFile;
 
-use super::Outcome;
 #[cfg(not(all(feature = "exchange", feature = "thesis")))]
 use super::not_built;
+use super::{ModelFile, Outcome};
 use crate::interrupt::Interrupt;
 use crate::output::{self, WrongArguments};
 use crate::watch;
@@ -26,8 +25,8 @@ use result::report;
 /// Identify stiffness, damping and friction from recordings
 ///
 /// Fits the free parameters of the model to all recordings together and prints each with its 95 % interval. For a parameter that the
-/// recordings do not determine, a note says why, and combinations that are determined are printed. After the time of --budget, or by Ctrl-C,
-/// the search ends, and the best point so far is the result (exit code 4); a second Ctrl-C ends at once.
+/// recordings do not determine, a note says why, and combinations that are determined are printed. After the time of --budget the
+/// search ends, and the best point so far is the result. Ctrl-C does the same, but writes no model (exit code 130); a second one ends at once.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host identify RUN1.mcap RUN2.mcap
@@ -45,7 +44,7 @@ pub(crate) struct Args {
     validate: Vec<String>,
     #[command(flatten)]
     task: Identify,
-    /// Write the model with the identified values to this file
+    /// Write the model with the identified values to this file, unless Ctrl-C ended the search
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
     /// Replace the file of --write-model, if it exists
@@ -86,19 +85,17 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     }
     args.task.options(&model.model)?;
     let interrupt = Interrupt::listen();
-    // The output file is created before the fit, so that an error is reported before it.
-    let target = args.write_model.as_deref().map(|path| output::create_new(path, args.force)).transpose()?;
-    interrupt.unfinished(target.as_ref().and_then(OutputFile::temporary));
+    let target = args.write_model.as_deref().map(|path| ModelFile::create(path, args.force, &interrupt));
+    let target = target.transpose()?;
     inputs::refuse_shared(&args.runs, "its samples would count double")?;
     let grid = Grid::Fit(&model.model);
     let (training, held_out) = (output::open_all(grid, &args.runs)?, output::open_all(grid, &args.validate)?);
     let done = watch::fit(&interrupt, args.progress, |progress| {
         args.task.run(&model, &training, &held_out, progress)
     })?;
-    if let Some(mut target) = target {
-        target.write_all(done.model_text()?.as_bytes())?;
-        target.commit()?;
-        interrupt.unfinished(None);
+    let is_interrupted = done.result.end == End::Interrupted;
+    if let Some(target) = target {
+        target.write(&done.model_text()?, is_interrupted)?;
     }
     if args.json {
         output::print_json(&done.document())?;
@@ -109,7 +106,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         others.for_each(output::warn);
         output::print(&report(done.document()))?;
     }
-    Ok(Outcome::on(training.iter().chain(&held_out)).of_search(done.result.finished))
+    Ok(Outcome::on(training.iter().chain(&held_out)).unless_interrupted(is_interrupted))
 }
 
 /// Refuses options that the method does not use.

@@ -32,9 +32,14 @@ mod thesis;
 mod virtual_board;
 mod watch;
 
+use std::io::Write;
+use std::path::Path;
 use std::process::ExitCode;
 
-use socam_recording::Dataset;
+use socam_recording::{Dataset, OutputFile};
+
+use crate::interrupt::{INTERRUPTED, Interrupt};
+use crate::output;
 
 /// Outcome of a command that did not fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,8 +48,8 @@ pub(crate) enum Outcome {
     Done,
     /// Done, but samples were lost, or a recording is damaged or cut off.
     LostSamples,
-    /// Done with the best answer so far: the search was ended before its own end, by its budget or by Ctrl-C.
-    Unfinished,
+    /// Ctrl-C ended the search. The best answer so far was printed, and no model was written.
+    Interrupted,
     /// Done, but nothing could be judged: no channel in common, or no block like those of the baseline.
     NothingJudged,
 }
@@ -55,9 +60,41 @@ impl Outcome {
         if recordings.into_iter().all(Dataset::is_complete) { Self::Done } else { Self::LostSamples }
     }
 
-    /// The same where the search came to its own end. An answer that more time would change matters more than lost samples.
-    pub(crate) fn of_search(self, is_finished: bool) -> Self {
-        if is_finished { self } else { Self::Unfinished }
+    /// The same, unless Ctrl-C ended the search. A search that its budget ended has an answer like any other.
+    pub(crate) fn unless_interrupted(self, is_interrupted: bool) -> Self {
+        if is_interrupted { Self::Interrupted } else { self }
+    }
+}
+
+/// The file of `--write-model`, which is created before a search, so that an error is reported before it.
+struct ModelFile<'p> {
+    path: &'p Path,
+    file: OutputFile,
+    interrupt: Interrupt,
+}
+
+impl<'p> ModelFile<'p> {
+    /// Creates it under its temporary name. An interrupt that ends the process at once removes it.
+    fn create(path: &'p Path, force: bool, interrupt: &Interrupt) -> anyhow::Result<Self> {
+        let file = output::create_new(path, force)?;
+        interrupt.unfinished(file.temporary());
+        Ok(Self { path, file, interrupt: interrupt.clone() })
+    }
+
+    /// Writes the model of a search. One that was interrupted writes none, and leaves an earlier file as it was.
+    fn write(mut self, text: &str, is_interrupted: bool) -> anyhow::Result<()> {
+        if is_interrupted {
+            output::warn(format_args!(
+                "`{}` was not written, because the search was interrupted",
+                self.path.display()
+            ));
+            drop(self.file);
+        } else {
+            self.file.write_all(text.as_bytes())?;
+            self.file.commit()?;
+        }
+        self.interrupt.unfinished(None);
+        Ok(())
     }
 }
 
@@ -66,7 +103,7 @@ impl From<Outcome> for ExitCode {
         match outcome {
             Outcome::Done => Self::SUCCESS,
             Outcome::LostSamples => Self::from(3),
-            Outcome::Unfinished => Self::from(4),
+            Outcome::Interrupted => Self::from(INTERRUPTED),
             Outcome::NothingJudged => Self::FAILURE,
         }
     }

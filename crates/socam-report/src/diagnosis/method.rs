@@ -36,7 +36,10 @@ pub(super) fn method(diagnosis: &Diagnosis, provenance: &Provenance, written: &[
             dt { "Numbers" }
             dd { code { "diagnosis.json" } " (" (diagnosis.schema) ")" }
             dt { @if tables::is_corrected(diagnosis) { "Corrected model" } @else { "Model" } }
-            dd { code { "model.toml" } }
+            dd {
+                @if diagnosis.is_interrupted() { "not written, because the search was interrupted" }
+                @else { code { "model.toml" } }
+            }
         }
         (hashes("File that was read", &provenance.files))
         (hashes("File beside this page", written))

@@ -46,8 +46,9 @@ pub fn picture(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// Writes `index.html`, `diagnosis.json` and `model.toml` into a directory, which is created where it does not exist. Where an experiment
-/// is suggested, its profile is written to `next.toml`. `model.toml` is the corrected model, or `model` where nothing was corrected. Each
-/// file is written completely or not at all, and the page last; the page holds the hashes of the others and says what `provenance` does.
+/// is suggested, its profile is written to `next.toml`. `model.toml` is the corrected model, or `model` where nothing was corrected. An
+/// interrupted search has neither file. Each file is written completely or not at all, and the page last; the page holds the hashes of the
+/// others and says what `provenance` does.
 ///
 /// # Errors
 /// [`ReportError`] with the path.
@@ -81,17 +82,13 @@ pub fn write(
         written.push(FileHash::of_content(name, content));
         Ok(())
     };
-    keep("model.toml", corrected_model_toml.unwrap_or(&model.text).as_bytes())?;
-    let next = dir.join("next.toml");
-    match diagnosis.suggested_experiment.as_ref().and_then(profile_text) {
-        Some(profile) => keep("next.toml", profile.as_bytes())?,
-        // A file of an earlier diagnosis does not belong to this one.
-        None if next.exists() => std::fs::remove_file(&next).map_err(|source| RecordingError::Io {
-            path: next,
-            action: "remove",
-            source,
-        })?,
-        None => {}
+    let model_toml = corrected_model_toml.unwrap_or(&model.text).to_owned();
+    let next_toml = diagnosis.suggested_experiment.as_ref().and_then(profile_text);
+    for (name, content) in [("model.toml", Some(model_toml)), ("next.toml", next_toml)] {
+        match content.filter(|_| !diagnosis.is_interrupted()) {
+            Some(content) => keep(name, content.as_bytes())?,
+            None => remove_file(dir.join(name))?,
+        }
     }
     let mut json = serde_json::to_vec_pretty(diagnosis).map_err(|source| RecordingError::Io {
         path: dir.join("diagnosis.json"),
@@ -116,6 +113,16 @@ fn profile_text(suggestion: &SuggestedExperiment) -> Option<String> {
     let profile = ProfileFile::parse(text).ok()?;
     let purpose = suggestion.sentence.replace('`', "");
     Some(ProfileFile { purpose: Some(purpose), ..profile }.to_toml())
+}
+
+/// Removes a file of an earlier diagnosis, which does not belong to this one.
+fn remove_file(path: PathBuf) -> Result<(), RecordingError> {
+    match std::fs::remove_file(&path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            Err(RecordingError::Io { path, action: "remove", source })
+        }
+        _ => Ok(()),
+    }
 }
 
 fn write_file(path: &Path, content: &[u8]) -> Result<(), ReportError> {

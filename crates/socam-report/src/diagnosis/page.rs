@@ -176,8 +176,13 @@ fn next(diagnosis: &Diagnosis) -> Markup {
             p { (prose(&experiment.sentence)) }
             dl {
                 dt { "Profile" }
-                dd { code { (experiment.profile) } ", as " code { "next.toml" } " beside this page: "
-                    code { "socam-host record --profile next.toml" } }
+                dd {
+                    code { (experiment.profile) }
+                    @if !diagnosis.is_interrupted() {
+                        ", as " code { "next.toml" } " beside this page: "
+                        code { "socam-host record --profile next.toml" }
+                    }
+                }
                 dt { "Tells apart" }
                 dd { @for pair in &experiment.tells_apart { span class="place" { code { (pair) } } " " } }
             }

@@ -10,7 +10,7 @@ use socam_model::Model;
 use super::*;
 use reader::{made, report};
 use socam_findings::{
-    document::{Component, EffectParameter, RecordingUse, Rival, Validation, Verdict},
+    document::{Component, EffectParameter, RecordingUse, Rival, SearchEnd, Validation, Verdict},
     evidence::{ChannelEvidence, RecordingTraces, Trace},
 };
 
@@ -64,6 +64,23 @@ fn files_are_whole() {
     let made = made();
     assert!(page.contains(&made.files[0].sha256) && page.contains(&made.date), "{page}");
     assert!(page.contains("socam-host diagnose 'my runs/steps-1.mcap' --report report"), "{page}");
+}
+
+#[test]
+fn an_interrupted_search_has_no_model() {
+    let dir = tempfile::tempdir().unwrap();
+    let (diagnosis, model) = (sample::diagnosis(), speed_o_cam());
+    let interrupted = Diagnosis { end: SearchEnd::Interrupted, ..diagnosis.clone() };
+    // Nor has it those of the diagnosis whose folder it takes.
+    for diagnosis in [&diagnosis, &interrupted] {
+        write(dir.path(), diagnosis, &Evidence::default(), (&model, Some("corrected")), &made()).unwrap();
+    }
+    let mut names: Vec<_> = fs::read_dir(&dir).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["diagnosis.json", "index.html"]);
+    let page = fs::read_to_string(dir.path().join("index.html")).unwrap();
+    assert!(page.contains("not written, because the search was interrupted"), "{page}");
+    assert!(!page.contains("model.toml") && !page.contains("next.toml"), "{page}");
 }
 
 #[test]
