@@ -48,7 +48,7 @@ pub struct Comparison {
     pub recording: String,
     /// Name of the simulation.
     pub simulation: String,
-    /// `differ` where a channel differs, `agree` where none does, `nothing_compared` where there is none.
+    /// `differ` where a channel differs, `agree` where none does, `not_judged` where there is none.
     pub verdict: Verdict,
     /// Probability that a correct simulation gets the verdict `differ`.
     pub false_alarm_rate: f64,
@@ -73,6 +73,7 @@ pub enum Verdict {
     /// An error was found in at least one channel.
     Differ,
     /// No channel is an output of both: nothing was compared.
+    #[serde(rename = "not_judged")]
     NothingCompared,
 }
 

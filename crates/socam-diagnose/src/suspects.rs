@@ -1,7 +1,7 @@
 //! Which effects a fitted model may leave out, and what its parameters would be with each of them: one score test, without a search.
 
 use socam_identify::{
-    Identification, Move, Options, Problem, Suspect,
+    Identification, Move, Noise, Options, Problem, Suspect,
     comparison::{self, Evaluation, NoiseModel},
 };
 use socam_model::Model;
@@ -18,6 +18,9 @@ use crate::{
 
 /// Least gain of a suspected effect, as a share of the largest gain of any. Others may act as well, but explain the data less.
 const PLAUSIBLE: f64 = 0.1;
+/// Least share of an effect's change of the residuals that no change of the parameters makes. With less it is nearly another name for a
+/// parameter, such as a difference of directions for an offset, and a size that is estimated from the small rest says little.
+const LEAST_OWN: f64 = 0.1;
 /// Largest family-wise p-value of a suspected effect.
 const SIGNIFICANT: f64 = 0.05;
 
@@ -39,6 +42,8 @@ pub fn suspects(
     found: &Identification,
     options: &Options,
 ) -> Result<Vec<Suspect>, DiagnoseError> {
+    // The fit has estimated the levels, also those that were given to it.
+    let options = &Options { noise: Noise::Estimated, ..options.clone() };
     let mut settled = model.clone();
     found.state_between(&mut settled)?;
     let model = &settled;
@@ -59,7 +64,8 @@ fn plausible(model: &Model, ranked: &[RankedCandidate], at: &Evaluation) -> Vec<
     let mut kept: Vec<&RankedCandidate> = Vec::new();
     for one in ranked.iter().filter(|one| one.possible && one.p_value < SIGNIFICANT) {
         let most = kept.first().map_or(0.0, |best| best.score.gain);
-        if one.score.gain > PLAUSIBLE * most && !kept.iter().any(|known| known.start.is_same(&one.start)) {
+        let is_plausible = one.score.gain > PLAUSIBLE * most && one.score.own > LEAST_OWN;
+        if is_plausible && !kept.iter().any(|known| known.start.is_same(&one.start)) {
             kept.push(one);
         }
     }

@@ -33,6 +33,8 @@ pub struct CandidateScore {
     pub step: Vec<f64>,
     /// Standard error of each step for white residuals, SI; infinite where the parameter changes no residual.
     pub std: Vec<f64>,
+    /// Share of the first parameter's change of the residuals that no change of the base makes, 0 to 1.
+    pub own: f64,
     /// Change of each base parameter that goes with these steps, SI, in the order of the base.
     pub base_step: Vec<f64>,
     /// Standard error of that change from the steps' errors alone, for white residuals, SI.
@@ -152,6 +154,7 @@ impl<'f> Orthogonalised<'f> {
             total: self.total,
             step: vec![0.0; group.len()],
             std: vec![f64::INFINITY; group.len()],
+            own: 0.0,
             base_step: vec![0.0; self.base.len()],
             base_std: vec![0.0; self.base.len()],
             resolution: f64::INFINITY,
@@ -190,7 +193,9 @@ impl<'f> Orthogonalised<'f> {
                 each.collect()
             })
             .collect();
-        let mut score = CandidateScore { gain, resolution: 1.0 / lengths[kept[0]], scores, ..nothing };
+        let own_share = lengths[kept[0]] / self.factor.col(group[kept[0]]).norm_l2();
+        let resolution = 1.0 / lengths[kept[0]];
+        let mut score = CandidateScore { gain, own: own_share, resolution, scores, ..nothing };
         for (index, k) in kept.iter().enumerate() {
             let unit = Mat::from_fn(n, 1, |i, _| f64::from(i == index));
             let variance = solved(&gram, &unit).map_or(f64::INFINITY, |column| column[index]);

@@ -9,7 +9,6 @@ use crate::{
     evaluation::{self, ChannelSums, Point, SegmentEvaluation, Weights, channel_sums, squares},
     optimiser::{
         factors::{global_factor, total_cost},
-        nuisance,
         step::{constrained_step, moved, predicted_gain},
     },
     problem::Problem,
@@ -172,7 +171,6 @@ pub(crate) fn descend(
         left_the_data: None,
     };
     if problem.free.is_empty() {
-        nuisance::refit(problem, &mut at)?;
         at.end = End::Converged;
         return Ok(at);
     }

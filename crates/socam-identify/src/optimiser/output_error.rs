@@ -56,6 +56,7 @@ pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyErr
     let mut starts = Starts::default();
     let start = best_start(problem, &mut starts)?;
     let mut cleaned = problem.clone();
+    let start = if problem.free.is_empty() { with_nuisance(problem, &start.values)?.point } else { start };
     let descent = iterated_gls(&cleaned, start)?;
     let mut descent = intersamples::settled(&mut cleaned, descent)?;
     for _ in 0..MOST_CLEANINGS {

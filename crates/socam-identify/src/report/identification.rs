@@ -2,9 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{
-    between::Between, optimiser::descent::End, preprocessing::mask::LeftOut, report::suspects::Suspect,
-};
+use crate::{between::Between, optimiser::descent::End, preprocessing::mask::LeftOut};
 
 /// Version of [`Identification`]'s JSON form.
 pub const SCHEMA: &str = "socam.identification/1";
@@ -130,6 +128,40 @@ pub struct Verdict {
     pub beside_input_noise: bool,
     /// The recording in which that output is left most.
     pub recording: Option<String>,
+}
+
+/// How a parameter would move if a suspected effect were in the model, SI. In JSON the pair of values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Move {
+    /// The fitted value.
+    pub from: f64,
+    /// The value with the effect.
+    pub to: f64,
+    /// Standard deviation of the difference.
+    pub std: f64,
+}
+
+impl Serialize for Move {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        [self.from, self.to].serialize(serializer)
+    }
+}
+
+/// An effect that a model may leave out, with what it would explain and change. Sizes are linearised at the fit: where they are large, they
+/// show a direction, and only a fit with the effect in the model shows the size.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Suspect {
+    /// Id of the effect.
+    pub effect: String,
+    /// Its name in words.
+    pub name: String,
+    /// Place, or channel.
+    pub location: String,
+    /// Share of the squares left by the fit that it would explain, 0 to 1.
+    pub explains: f64,
+    /// The free parameters, in the model's order.
+    #[serde(serialize_with = "as_map")]
+    pub moves: Vec<(String, Move)>,
 }
 
 /// Result of an identification.

@@ -1,24 +1,22 @@
 //! The report of a fit: estimates with intervals, what the data do not determine, warnings and advice.
 
 mod advice;
+mod allowance;
 mod estimates;
 mod identification;
 mod intersample_check;
 mod model_text;
 mod offsets;
 mod sign_check;
-mod suspects;
 mod verdict;
 mod warnings;
 
 pub(crate) use estimates::predicted;
 pub(crate) use identification::as_map;
 pub use identification::{
-    ChannelFit, CombinationEstimate, Explained, Fit, Identification, ParameterEstimate, SCHEMA, Source,
-    Verdict,
+    ChannelFit, CombinationEstimate, Explained, Fit, Identification, Move, ParameterEstimate, SCHEMA, Source,
+    Suspect, Verdict,
 };
-
-pub use suspects::{Move, Suspect};
 
 use socam_model::Model;
 
@@ -121,7 +119,7 @@ pub(crate) fn identification(
         nuisance: offsets(problem, &descent.point.nuisance, results, &uncertainty, &weights.scales),
         fit,
         fit_verdict: Some(verdict.explained),
-        misfit: misfit(problem.model, &channels, &sensor_noise),
+        misfit: verdict::misfit(problem, &channels, results, &weights, &sensor_noise),
         verdict: Some(verdict),
         suspects: Vec::new(),
         input_noise_std: input_noise_std(problem.model, &weights.input_std),
@@ -137,13 +135,6 @@ pub(crate) fn identification(
         point: descent.point.values,
         cost,
     })
-}
-
-/// Residual of each output in units of its sensor's noise, where that is known.
-fn misfit(model: &Model, channels: &[ChannelSums], noise: &[Option<f64>]) -> Vec<(String, f64)> {
-    let each = model.outputs().zip(channels).zip(noise);
-    let each = each.filter(|((_, sums), _)| sums.count > 0.0);
-    each.filter_map(|((channel, sums), std)| Some((channel.name.clone(), sums.rms() / (*std)?))).collect()
 }
 
 /// Warning about a fit that did not end at a minimum.

@@ -24,6 +24,28 @@ pub(crate) fn sensor_noise(problem: &Problem<'_>) -> Result<Vec<Option<f64>>, Id
     Ok(each.map(|std| Some(std).filter(|std| std.is_finite() && *std > 0.0)).collect())
 }
 
+/// What is left of each output, SI. Noise of the inputs is in the residuals of a free run, and not in what a prediction from sample to sample
+/// leaves.
+fn left(channels: &[ChannelSums], results: &[SegmentEvaluation], weights: &Weights) -> Vec<f64> {
+    let values: f64 = channels.iter().map(|channel| channel.count).sum();
+    let whitened = (evaluation::squares(results) / values.max(1.0)).sqrt();
+    let inputs_are_noisy = weights.levels().in_the_input();
+    let own = channels.iter().zip(&weights.noise_std);
+    own.map(|(sums, std)| if inputs_are_noisy { whitened * std } else { sums.rms() }).collect()
+}
+
+/// What is left of each output in units of its sensor's noise, where that is known.
+pub(crate) fn misfit(
+    problem: &Problem<'_>,
+    channels: &[ChannelSums],
+    results: &[SegmentEvaluation],
+    weights: &Weights,
+    sensor_noise: &[Option<f64>],
+) -> Vec<(String, f64)> {
+    let each = problem.model.outputs().zip(left(channels, results, weights)).zip(sensor_noise);
+    each.filter_map(|((channel, left), std)| Some((channel.name.clone(), left / (*std)?))).collect()
+}
+
 impl Verdict {
     /// Judges all outputs; the worst one decides.
     pub(crate) fn new(
@@ -34,19 +56,15 @@ impl Verdict {
         sensor_noise: &[Option<f64>],
     ) -> Self {
         let inputs_are_noisy = weights.levels().in_the_input();
-        let values: f64 = channels.iter().map(|channel| channel.count).sum();
-        let whitened = (evaluation::squares(results) / values.max(1.0)).sqrt();
+        let lefts = left(channels, results, weights);
         let mut worst: Option<(Explained, f64, usize, f64, &Channel)> = None;
         for (index, ((channel, sums), noise_std)) in
             problem.model.outputs().zip(channels).zip(sensor_noise).enumerate()
         {
-            let Some(noise_std) = *noise_std else { continue };
-            if sums.count == 0.0 || sums.spread() == 0.0 {
+            let Some(noise_std) = noise_std.filter(|_| sums.count > 0.0 && sums.spread() > 0.0) else {
                 continue;
-            }
-            // Noise of the inputs is in the residuals, and not in what a prediction from sample to sample leaves.
-            let left = if inputs_are_noisy { whitened * weights.noise_std[index] } else { sums.rms() };
-            let times = left / noise_std;
+            };
+            let times = lefts[index] / noise_std;
             let own = (explained(channel, sums, times), times, index, noise_std, channel);
             if worst.is_none_or(|worst| (own.0, own.1) > (worst.0, worst.1)) {
                 worst = Some(own);
@@ -64,8 +82,8 @@ impl Verdict {
             };
         };
         let segments = problem.segments.iter().zip(results);
-        let left = |(_, result): &(_, &SegmentEvaluation)| result.channels[index].rms();
-        let most = segments.max_by(|a, b| left(a).total_cmp(&left(b)));
+        let rms = |(_, result): &(_, &SegmentEvaluation)| result.channels[index].rms();
+        let most = segments.max_by(|a, b| rms(a).total_cmp(&rms(b)));
         Self {
             explained,
             channel: Some(channel.name.clone()),

@@ -8,8 +8,10 @@ use super::grid::Resampled;
 use super::regular::BRIDGED;
 use crate::error::Result;
 
-/// Largest distance of a stamp from even times, in steps. Beyond it a sample was lost or the rate changed.
+/// Largest distance of a stamp from even times, and largest distance between two stamps, in steps. Beyond these a sample was lost or the rate
+/// changed.
 const NEAR: f64 = 0.6;
+const NEXT: f64 = 1.6;
 /// Rows that are compared, and fewest of these.
 const MOST_ROWS: usize = 20_000;
 const FEWEST_ROWS: usize = 200;
@@ -94,7 +96,9 @@ fn even_times(stamps: &[f64], gap_s: f64) -> Option<Vec<f64>> {
         }
         let step_s = product / square;
         let time_s = |row: usize| mean + step_s * (row as f64 - middle);
-        if run.iter().enumerate().any(|(row, stamp)| (stamp - time_s(row)).abs() > NEAR * step_s) {
+        if run.iter().enumerate().any(|(row, stamp)| (stamp - time_s(row)).abs() > NEAR * step_s)
+            || run.windows(2).any(|pair| pair[1] - pair[0] > NEXT * step_s)
+        {
             return None;
         }
         even.extend((0..run.len()).map(time_s));
