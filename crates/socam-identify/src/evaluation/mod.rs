@@ -32,8 +32,7 @@ pub(crate) fn run(
     point: &Point,
     weights: &Weights,
 ) -> Result<Evaluated, IdentifyError> {
-    let is_tentative = problem.options.progress.is_tentative();
-    evaluated(problem, point, weights, (f64::INFINITY, is_tentative))
+    run_below(problem, point, weights, f64::INFINITY)
 }
 
 /// Like [`run`], but given up as soon as one segment has a sum of squares above `most`: a step to such a point is refused anyway, and such
