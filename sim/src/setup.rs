@@ -115,6 +115,10 @@ impl Setup {
 
     fn plant(&self, truth: &Truth) -> Result<Plant, SimError> {
         let Truth { model, values, .. } = truth;
+        if model.inputs().all(|channel| channel.quantity.is_clock()) {
+            let problem = "it has no input that a profile could drive; `simulate --input RUN` lets it swing as in a recording";
+            return Err(SimError::argument(&model.name, problem));
+        }
         if let Some(channel) =
             model.inputs().next().filter(|channel| channel.transform != ChannelTransform::Value)
         {

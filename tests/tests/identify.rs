@@ -163,6 +163,78 @@ fn info_prints_one_document() {
     assert_eq!(points["rows"], 2);
 }
 
+/// A pendulum of springs that is let go: stiffness and damping follow if the inertia is known, and their ratios to it otherwise.
+#[test]
+fn a_free_swing_needs_no_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (inertia, stiffness, damping): (f64, f64, f64) = (0.02, 8.0, 0.03);
+    let decay = 0.5 * damping / inertia;
+    let turns = (stiffness / inertia - decay * decay).sqrt();
+    let mut noise =
+        (1u32..).map(|k| f64::from(k.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5);
+    let mut csv = String::from("t_s,disc_angle_rad\n");
+    for k in 0..2500 {
+        let t = 0.002 * f64::from(k);
+        let angle = 0.7 * (-decay * t).exp() * (turns * t + 0.4).cos() + 1e-3 * noise.next().unwrap();
+        csv += &format!("{t:.3},{angle:.6}\n");
+    }
+    std::fs::write(path("swing.csv"), csv).unwrap();
+    let model = |fixed: &str| {
+        format!(
+            r#"schema = "socam.model/1"
+name = "swing"
+motion = "rotation"
+[parameters]
+J = {{ value = 0.02, unit = "kg m2"{fixed} }}
+k = {{ value = 3, unit = "N m/rad" }}
+c = {{ value = 0.1, unit = "N m s/rad" }}
+[[nodes]]
+name = "disc"
+inertia = "J"
+[[springs]]
+name = "spring"
+from = "disc"
+to = "ground"
+stiffness = "k"
+damping = "c"
+[channels.disc_angle]
+role = "output"
+quantity = "angle"
+at = "disc"
+"#
+        )
+    };
+    std::fs::write(path("known.toml"), model(", fixed = true")).unwrap();
+    std::fs::write(path("unknown.toml"), model("")).unwrap();
+    let swing = path("swing.csv");
+    let known = run(["identify", &swing, "--model", &path("known.toml"), "--json"]).json();
+    let parameters = by_name(&known["parameters"]);
+    assert!(holds(parameters["k"], stiffness) && holds(parameters["c"], damping), "{parameters:?}");
+    let unknown = run(["identify", &swing, "--model", &path("unknown.toml"), "--json"]).json();
+    for parameter in unknown["parameters"].as_array().unwrap() {
+        assert_eq!(
+            (&parameter["identifiable"], &parameter["value"]),
+            (&false.into(), &Value::Null),
+            "{parameter}"
+        );
+    }
+    let ratios = by_name(&unknown["combinations"]);
+    assert!(
+        holds(ratios["k/J"], stiffness / inertia) && holds(ratios["c/J"], damping / inertia),
+        "{ratios:?}"
+    );
+    let diagnosed = run(["diagnose", &swing, "--model", &path("known.toml"), "--json"]).json();
+    assert_eq!(diagnosed["verdict"], "adequate", "{}", diagnosed["findings"]);
+    let refused =
+        run(["simulate", "--profile", "sine", "--model", &path("known.toml"), "-o", &path("no.csv")]);
+    assert!(
+        refused.code == Some(1) && refused.stderr.contains("no input that a profile"),
+        "{}",
+        refused.stderr
+    );
+}
+
 /// The servo axis of Janot, Gautier and Brunot, "Data Set and Reference Models of EMPS" (2019): mass 95.1089 kg, viscous
 /// 203.5034 N s/m, Coulomb 20.3935 N, offset -3.1648 N; the force's error 4.0834 % fitted and 5.9824 % not fitted. Their recipe
 /// on the same data, run anew in Python: 95.116, 203.375, 20.409, -3.170; 4.039 % and 5.953 %. Both brackets are about as

@@ -16,6 +16,9 @@ pub(crate) fn columns(recording: &Dataset) -> Vec<String> {
     recording.channels().iter().map(socam_recording::Channel::column_name).collect()
 }
 
+/// The drive of a machine that swings freely.
+const NOTHING: &str = "none";
+
 impl Machine {
     /// Adds the channels.
     pub(crate) fn connect(
@@ -27,8 +30,9 @@ impl Machine {
         let example = self.nodes.first().map_or("motor", |node| &node.name).to_owned();
         let offer = |option: &str, quantity: &str| {
             let list = columns.map_or(String::new(), |all| format!("; its columns are {}", all.join(", ")));
+            let free = if option == "--drive" { ", or --drive none where it swings freely" } else { "" };
             Err(DescribeError::Machine(format!(
-                "{option} is missing: say it as in {option} {quantity}@{example}:COLUMN{list}"
+                "{option} is missing: say it as in {option} {quantity}@{example}:COLUMN{free}{list}"
             )))
         };
         if drives.is_empty() {
@@ -37,7 +41,8 @@ impl Machine {
         if measures.is_empty() {
             return offer("--measure", "speed");
         }
-        for text in drives {
+        let is_free = matches!(drives, [only] if only == NOTHING);
+        for text in drives.iter().filter(|_| !is_free) {
             let spec = Spec::read(text)?;
             let channel = self.drive(&spec)?;
             self.push(&spec, channel, columns)?;

@@ -26,7 +26,7 @@ pub(crate) struct Args {
     /// Parts from the motor to the load, see below
     #[arg(long, value_name = "PARTS")]
     chain: Option<String>,
-    /// What drives the machine; may be repeated
+    /// What drives the machine, or `none` where it swings freely; may be repeated
     #[arg(long = "drive", value_name = "QUANTITY@PART[:COLUMN]")]
     drives: Vec<String>,
     /// What is measured; may be repeated
@@ -107,7 +107,7 @@ fn answers(args: &Args, data: Option<&Dataset>) -> anyhow::Result<(String, Vec<S
             ));
         }
         if drives.is_empty() {
-            drives.push(ask("What drives it? (such as torque@motor:COLUMN*0.055)")?);
+            drives.push(ask("What drives it? (such as torque@motor:COLUMN*0.055, or none)")?);
         }
         while measures.is_empty() || args.measures.is_empty() {
             let question = "What is measured? (such as speed@load:COLUMN; an empty line ends)";

@@ -138,9 +138,11 @@ fn write(simulated: &Dataset, path: &Path, kind: OutputFormat) -> anyhow::Result
 
 fn text(done: &ReplayDocument) -> String {
     let between: Vec<_> = done.between.iter().map(|(input, kind)| format!("{input} {kind}")).collect();
-    let between = between.join(", ");
-    let mut text =
-        format!("{} driven by {} ({} rows; between samples: {between})\n", done.model, done.input, done.rows);
+    let between = match between.as_slice() {
+        [] => String::new(),
+        between => format!("; between samples: {}", between.join(", ")),
+    };
+    let mut text = format!("{} driven by {} ({} rows{between})\n", done.model, done.input, done.rows);
     if done.channels.is_empty() {
         text.push_str("  it holds none of the model's outputs to compare with\n");
         return text;

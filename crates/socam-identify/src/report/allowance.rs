@@ -45,10 +45,9 @@ impl Identification {
                 );
             }
         }
-        let all = combinations::all(model, &self.point);
         for own in &mut self.combinations {
             let ([Some(low), Some(high)], Some(known)) =
-                (own.ci95, all.iter().find(|one| one.name == own.name))
+                (own.ci95, combinations::named(model, &self.point, &own.name))
             else {
                 continue;
             };

@@ -9,7 +9,7 @@ use crate::{
     problem::Problem,
     report::{CombinationEstimate, ParameterEstimate, Source},
     uncertainty::{
-        combinations::{self, Combination},
+        combinations::{self, Combination, Scaled},
         covariance::Uncertainty,
     },
 };
@@ -43,7 +43,8 @@ pub(crate) fn predicted(
     let factor = qr::join([factor, known.as_ref()].into_iter(), free + 1);
     let uncertainty = Uncertainty::white(problem, values, &factor, scales);
     let (parameters, _) = parameter_estimates(problem, values, &uncertainty, &[]);
-    (parameters, combinations(problem, values, &uncertainty))
+    let combinations = combinations(problem, values, (&uncertainty, &parameters));
+    (parameters, combinations)
 }
 
 /// Pairs of parameters of two springs in series that can change places without a significant change of the residuals.
@@ -189,10 +190,11 @@ fn why_not(stuck: bool, swaps: bool, relative: f64, strongly_correlated: &[Strin
     }
 }
 
+/// Combinations of parameters, those that follow from the model's form first. `parameters` are the estimates of all parameters.
 pub(crate) fn combinations(
     problem: &Problem<'_>,
     values: &[f64],
-    uncertainty: &Uncertainty,
+    (uncertainty, parameters): (&Uncertainty, &[ParameterEstimate]),
 ) -> Vec<CombinationEstimate> {
     let position = |index: usize| problem.free.iter().position(|free| *free == index);
     let estimate = |combination: Combination| {
@@ -215,5 +217,48 @@ pub(crate) fn combinations(
             ci95: [value - half, value + half].map(|end| Some(end).filter(|_| determined)),
         })
     };
-    combinations::all(problem.model, values).into_iter().filter_map(estimate).collect()
+    let formed = combinations::all(problem.model, values);
+    let unscaled = unscaled(problem, values, (uncertainty, parameters), &formed);
+    formed.into_iter().chain(unscaled).filter_map(estimate).collect()
+}
+
+/// Ratios and products to one parameter of others that the data determine although they determine neither alone. An inertia comes first as
+/// that one parameter. Pairs within one of the combinations `formed` are left out.
+fn unscaled(
+    problem: &Problem<'_>,
+    values: &[f64],
+    (uncertainty, parameters): (&Uncertainty, &[ParameterEstimate]),
+    formed: &[Combination],
+) -> Vec<Combination> {
+    let model = problem.model;
+    let open = |index: &usize| !parameters[*index].identifiable && values[*index] != 0.0;
+    let position = |index: usize| problem.free.iter().position(|free| *free == index);
+    let is_inertia = |index: usize| model.nodes.iter().any(|node| node.inertia == Some(index));
+    let (inertias, others): (Vec<usize>, Vec<usize>) =
+        problem.free.iter().copied().filter(open).partition(|index| is_inertia(*index));
+    let all: Vec<usize> = inertias.into_iter().chain(others).collect();
+    let is_formed = |a: usize, b: usize| {
+        let has = |one: &Combination, index: usize| one.sensitivities.iter().any(|(own, _)| *own == index);
+        formed.iter().any(|one| has(one, a) && has(one, b))
+    };
+    let (mut known, mut found) = (Vec::new(), Vec::new());
+    for (place, reference) in all.iter().enumerate() {
+        for index in all[place + 1..].iter().filter(|index| !is_formed(**index, *reference)) {
+            if known.contains(index) || known.contains(reference) {
+                continue;
+            }
+            let each = [Scaled::Ratio, Scaled::Product]
+                .map(|how| combinations::scaled(model, values, [*index, *reference], how));
+            let is_determined = |one: &Combination| {
+                let own = one.sensitivities.iter().filter_map(|(own, by)| Some((position(*own)?, *by)));
+                uncertainty.quantile * uncertainty.std(&own.collect::<Vec<_>>())
+                    <= LARGEST_HALF_WIDTH * one.value.abs()
+            };
+            if let Some(one) = each.into_iter().find(is_determined) {
+                known.push(*index);
+                found.push(one);
+            }
+        }
+    }
+    found
 }

@@ -114,8 +114,8 @@ pub(crate) fn identification(
         unfinished,
         iterations: descent.iterations,
         cpu_s,
+        combinations: combinations(problem, &descent.point.values, (&uncertainty, &parameters)),
         parameters,
-        combinations: combinations(problem, &descent.point.values, &uncertainty),
         nuisance: offsets(problem, &descent.point.nuisance, results, &uncertainty, &weights.scales),
         fit,
         fit_verdict: Some(verdict.explained),
@@ -126,8 +126,9 @@ pub(crate) fn identification(
         between: problem
             .model
             .inputs()
-            .map(|input| input.name.clone())
             .zip(problem.between.clone())
+            .filter(|(input, _)| !input.quantity.is_clock())
+            .map(|(input, between)| (input.name.clone(), between))
             .collect(),
         left_out: problem.left_out.clone(),
         advice,

@@ -1,6 +1,8 @@
 //! Combinations of parameters that are determined where the parameters themselves are not.
 //!
 //! * Two springs with a massless node between them act nearly as one: their joint stiffness and damping.
+//! * What the data do not scale, such as all inertias, dampings and torques of a free swing, or an inertia and a winding's resistance: ratios and
+//!   products of two parameters.
 //! * Bearings of nodes that springs and gears tie together turn nearly as one at low frequencies: their total damping.
 
 use std::collections::VecDeque;
@@ -34,6 +36,36 @@ pub fn combination_values(model: &Model, values: &[f64]) -> Vec<(String, f64)> {
 pub(crate) fn all(model: &Model, values: &[f64]) -> Vec<Combination> {
     let each = |(a, b)| std::iter::once(stiffness(model, values, a, b)).chain(damping(model, values, a, b));
     pairs(model).flat_map(each).chain(total_dampings(model, values)).collect()
+}
+
+/// How two parameters are combined that the data do not scale.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Scaled {
+    Ratio,
+    Product,
+}
+
+/// The ratio or product of two parameters.
+pub(crate) fn scaled(model: &Model, values: &[f64], [a, b]: [usize; 2], how: Scaled) -> Combination {
+    let [first, second] = [a, b].map(|index| &model.parameters[index]);
+    let (va, vb) = (values[a], values[b]);
+    let (sign, value, sensitivities) = match how {
+        Scaled::Ratio => ('/', va / vb, vec![(a, 1.0 / vb), (b, -va / (vb * vb))]),
+        Scaled::Product => ('*', va * vb, vec![(a, vb), (b, va)]),
+    };
+    let expression = format!("{}{sign}{}", first.name, second.name);
+    let unit = format!("({}){sign}({})", first.unit, second.unit);
+    Combination { name: expression.clone(), expression, unit, value, sensitivities }
+}
+
+/// The combination of this name.
+pub(crate) fn named(model: &Model, values: &[f64], name: &str) -> Option<Combination> {
+    let pair = |sign: char, how: Scaled| {
+        let (a, b) = name.split_once(sign)?;
+        Some(scaled(model, values, [model.parameter(a)?, model.parameter(b)?], how))
+    };
+    let fixed = all(model, values).into_iter().find(|one| one.name == name);
+    fixed.or_else(|| pair('/', Scaled::Ratio)).or_else(|| pair('*', Scaled::Product))
 }
 
 /// Pairs of springs that act as one: a massless node between them, and no force law in either.

@@ -33,9 +33,10 @@ pub(super) fn add_clocks(model: &mut Model) {
         },
     };
     let mut clocks = Vec::new();
-    if asks(LawInput::Time)
-        && let Some(input) = model.channels.iter().find(|channel| channel.role == Role::Input)
-    {
+    // A machine that swings freely has the time as its only input.
+    let input = model.channels.iter().find(|channel| channel.role == Role::Input);
+    if asks(LawInput::Time) || input.is_none() {
+        let Some(input) = input.or(model.channels.first()) else { return };
         clocks.push(clock(input, "time", Quantity::Time, ChannelTransform::Elapsed));
     }
     if asks(LawInput::Angle)

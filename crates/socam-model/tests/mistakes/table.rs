@@ -177,12 +177,6 @@ pub(crate) const MISTAKES: &[[&str; 4]] = &[
         "line 11: `stiffness` is there twice; remove one, or give it another name",
     ],
     [
-        "no input",
-        "role = \"input\"",
-        "role = \"output\"",
-        "line 38: [channels] has no input; write at least one channel with role = \"input\"",
-    ],
-    [
         "no output",
         "[channels.motor_speed]\nrole = \"output\"\nquantity = \"speed\"\nat = \"motor\"\n[channels.load_speed]\nrole = \"output\"\nquantity = \"speed\"\nat = \"load\"",
         "",

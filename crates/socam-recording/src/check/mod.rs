@@ -80,7 +80,8 @@ pub fn check(data: &Dataset, options: &CheckOptions) -> Result<Check> {
     findings.extend(pass.ratios.into_iter().filter_map(RatioFit::finish));
     findings.extend(pass.motions.into_iter().filter_map(MotionFit::finish));
     findings.extend(options.both_ways.iter().filter_map(|motion| one_way(data, motion, &channels)));
-    if input.is_none() && options.input.is_none() {
+    // A model without an input swings freely.
+    if input.is_none() && options.input.is_none() && options.channels.is_empty() {
         findings.push(Finding::InputUnknown);
     }
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity()));

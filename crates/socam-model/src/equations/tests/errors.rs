@@ -27,7 +27,7 @@ fn a_wrong_file_gets_line_key_and_what_was_expected() {
         ),
         ("bounds = [10, 1e4]", "bounds = [1e5, 10]", &["k3.bounds", "low < high"]),
         ("at = \"roller_pins\"", "at = \"mesh\"", &["torque_out", "mesh"]),
-        ("[channels.motor_speed]\nrole = \"input\"\nquantity = \"speed\"\nat = \"motor\"", "", &["no input"]),
+        ("[channels.motor_speed]\nrole = \"input\"\nquantity = \"speed\"\nat = \"motor\"", "", &[]),
         ("damping = \"c3\"", "", &[]),
     ];
     for (from, to, expected) in cases {
