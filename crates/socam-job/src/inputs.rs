@@ -51,6 +51,18 @@ pub fn selections(runs: &[String]) -> Result<Vec<Selection>> {
     runs.iter().map(|run| Ok(Selection::parse(run)?)).collect()
 }
 
+/// Why no recording is both fitted and held out, and none is named twice.
+pub(crate) const HELD_OUT_ALONE: &str = "what is held out must not be fitted, and nothing counts double";
+
+/// Refuses held-out recordings that share samples with a fitted one, also as a link or a copy under another name.
+///
+/// # Errors
+/// When one does, or cannot be read.
+pub fn refuse_fitted(runs: &[String], held_out: &[String]) -> Result<()> {
+    refuse_shared(runs.iter().chain(held_out), HELD_OUT_ALONE)?;
+    Ok(socam_diagnose::refuse_copies(&selections(runs)?, &selections(held_out)?)?)
+}
+
 /// The files of recordings `RUN@FROM..TO`.
 ///
 /// # Errors

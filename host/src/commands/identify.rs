@@ -87,7 +87,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let interrupt = Interrupt::listen();
     let target = args.write_model.as_deref().map(|path| ModelFile::create(path, args.force, &interrupt));
     let target = target.transpose()?;
-    inputs::refuse_shared(&args.runs, "its samples would count double")?;
+    inputs::refuse_fitted(&args.runs, &args.validate)?;
     let grid = Grid::Fit(&model.model);
     let (training, held_out) = (output::open_all(grid, &args.runs)?, output::open_all(grid, &args.validate)?);
     let done = watch::fit(&interrupt, args.progress, |progress| {
