@@ -65,8 +65,28 @@ fn concealed_friction_is_named_added_and_proven() {
     let report = folder.path().join("report");
     let model = folder.path().join("corrected.toml");
     let (report, model) = (report.to_str().unwrap(), model.to_str().unwrap());
-    let document = diagnosed(folder.path(), &["--report", report, "--write-model", model]);
+    let why =
+        ["--why", "coulomb_friction@load_bearing", "--why", "constant_load@load", "--why", "backlash@mesh"];
+    let document =
+        diagnosed(folder.path(), &[&["--report", report, "--write-model", model][..], &why].concat());
     assert_eq!(document["verdict"], "missing_physics");
+    // Why the others are no findings: each was fitted in the friction's place too.
+    let candidates = document["candidates"].as_array().unwrap();
+    let asked: Vec<&Value> = candidates.iter().filter(|one| one["asked"] == true).collect();
+    let fate = |effect: &str| *asked.iter().find(|one| one["effect"] == effect).unwrap();
+    assert_eq!((asked.len(), &fate("coulomb_friction")["stage"]), (3, &Value::from("found")));
+    for effect in ["constant_load", "backlash"] {
+        let fate = fate(effect);
+        assert!(
+            fate["stage"] != "found" && fate["sentence"].as_str().unwrap().ends_with(|c| c != '.'),
+            "{fate}"
+        );
+        let trials = fate["trials"].as_array().unwrap();
+        assert!(!trials.is_empty(), "{fate}");
+        let instead = trials.iter().find(|trial| trial["instead_of"][0] == "coulomb_friction");
+        assert!(instead.is_none_or(|trial| trial["log_score"].as_f64().unwrap() < -1.0), "{fate}");
+        assert!(trials.iter().all(|t| t["log_score"].as_f64() <= t["std"].as_f64()), "{fate}");
+    }
     assert_eq!(finding(&document, 0), ("coulomb_friction", "load_bearing"));
     assert_eq!(document["findings"].as_array().unwrap().len(), 1, "{}", document["findings"]);
     let torque = &document["findings"][0]["parameters"][0];
@@ -159,6 +179,12 @@ fn what_cannot_be_meant_is_refused_in_a_sentence() {
     };
     refused(&["diagnose", path, "--holdout", path], 2, "named twice");
     refused(&["diagnose", path, "--false-alarm-rate", "2"], 2, "between 0 and 1");
+    refused(&["diagnose", path, "--why", "backlash"], 2, "EFFECT@PLACE");
+    refused(&["diagnose", path, "--why", "rust@mesh"], 2, "there is no effect `rust`");
+    refused(&["diagnose", path, "--why", "backlash@motor"], 2, "its places are mesh");
+    let copy = folder.path().join("copy.csv");
+    std::fs::copy(path, &copy).unwrap();
+    refused(&["identify", path, "--validate", copy.to_str().unwrap()], 1, "holds the same samples");
     refused(&["diagnose", "nothing.csv"], 1, "nothing.csv");
     refused(&["diagnose", path, "--model", "two-mass"], 1, "motor_torque_Nm");
     refused(&["diagnose", path, "--report", path], 1, "directory");

@@ -20,7 +20,7 @@ use crate::{
     intervals,
     proof::Outcome,
     selection::{EXCESS, Path},
-    words,
+    why, words,
 };
 use inputs::Inputs;
 
@@ -73,6 +73,7 @@ pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, Ide
         parameters: parameters::parameters(before, after),
         combinations: parameters::combinations(before, after),
         // What was tested before the search was ended may be found by the steps that were not made.
+        candidates: why::fates(context, path)?,
         not_found: if is_finished { not_found::not_found(path) } else { Vec::new() },
         finished: is_finished,
         end: cutoff.map_or(SearchEnd::Completed, |(_, how)| match how.cause {

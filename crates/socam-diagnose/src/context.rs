@@ -15,7 +15,8 @@ use socam_model::Model;
 use socam_recording::{Dataset, RecordingError};
 
 use crate::{
-    candidate::Candidate, document::Validation, extension::extended, options::Options, preprocessing::masked,
+    candidate::Candidate, document::Validation, extension::extended, journal::Journal, options::Options,
+    preprocessing::masked,
 };
 
 /// Least number of recordings for cross-validation by whole recordings; fewer are cut into blocks.
@@ -64,6 +65,8 @@ pub(crate) struct Context<'a> {
     pub(crate) options: &'a Options,
     /// Inputs whose behaviour between samples the model file does not state.
     pub(crate) open_inputs: Vec<String>,
+    /// What became of each candidate.
+    pub(crate) journal: Journal,
     /// Empty where whole recordings are left out.
     folds: Vec<Fold>,
 }
@@ -79,7 +82,12 @@ impl<'a> Context<'a> {
         let folds = if training.len() < FEW { block_folds(model, training)? } else { Vec::new() };
         let open = model.inputs().filter(|input| input.between.is_none());
         let open_inputs = open.map(|input| input.name.clone()).collect();
-        Ok(Self { training, fit, options, open_inputs, folds })
+        Ok(Self { training, fit, options, open_inputs, journal: Journal::default(), folds })
+    }
+
+    /// The same, with notes in a journal that was begun before.
+    pub(crate) fn noting_in(self, journal: Journal) -> Self {
+        Self { journal, ..self }
     }
 
     /// Cross-validation scheme: by whole recordings or by blocks.

@@ -5,6 +5,7 @@ use socam_identify::{Identification, IdentifyError};
 use crate::{
     context::Context,
     intervals,
+    journal::Fate,
     selection::{Path, Unexamined},
 };
 
@@ -22,6 +23,7 @@ impl FinalChoice {
         before: &Identification,
     ) -> Result<Self, IdentifyError> {
         let estimates = determined(context, &mut path, before)?;
+        path.terms.iter().for_each(|term| context.journal.note(&term.candidate, Fate::Found));
         path.test_last(context)?;
         if context.stops() {
             path.unexamined.get_or_insert(Unexamined::Comparisons);
@@ -62,6 +64,7 @@ fn determined(
             let without = near.map_or_else(|| path.refitted_without(context, term), |near| Ok(Some(near)))?;
             // A fit that the end of the search has cut off is no model to go on with.
             if let Some(without) = without.filter(|_| !context.stops()) {
+                context.journal.note(&path.terms[term].candidate, Fate::Undetermined);
                 path.remove(context, term, without)?;
                 continue 'determined;
             }

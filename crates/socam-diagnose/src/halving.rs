@@ -12,6 +12,7 @@ use crate::{
     candidate::Candidate,
     context::{self, Context, FittedModel},
     extension::{carried_over, extended},
+    journal::Fate,
 };
 
 /// Iterations of the first round.
@@ -38,6 +39,8 @@ struct Contender {
     index: usize,
     model: Model,
     at: Evaluation,
+    /// Largest number of iterations that led here.
+    iterations: usize,
     /// Whether further iterations would gain next to nothing.
     done: bool,
 }
@@ -90,15 +93,17 @@ fn successive_halving(
             return Ok(None);
         }
         let begun = begin(candidate)?;
-        Ok(begun.map(|(model, at)| Contender { index, model, at, done: false }))
+        let iterations = first_round(candidate);
+        Ok(begun.map(|(model, at)| Contender { index, model, at, iterations, done: false }))
     });
     let begun: Result<Vec<Option<Contender>>, IdentifyError> = begun.collect();
     let mut contenders: Vec<Contender> = begun?.into_iter().flatten().collect();
+    note_diverged(context, &contenders, tried);
     for round in 0..ROUNDS {
         if context.stops() {
             break;
         }
-        keep_up(&mut contenders, tried, before.deviance(), KEEPING_UP[round.min(1)]);
+        keep_up(context, &mut contenders, tried, before.deviance(), KEEPING_UP[round.min(1)]);
         let next = contenders.into_par_iter().map(|contender| continued(context, contender, noise));
         contenders = next.collect::<Result<_, IdentifyError>>()?;
     }
@@ -108,13 +113,47 @@ fn successive_halving(
         .collect())
 }
 
+/// Largest number of iterations of a candidate's first round.
+fn first_round(candidate: &Candidate) -> usize {
+    if candidate.begins_large {
+        LARGE_ROUNDS.iter().map(|(iterations, _)| iterations).sum()
+    } else if candidate.needs_restarts() {
+        RESTART_ROUND
+    } else {
+        FIRST_ROUND
+    }
+}
+
 /// Keeps contenders whose gain is this share of the best one's or near it, sorted with the best first, one per effect and place.
-fn keep_up(contenders: &mut Vec<Contender>, tried: &[Candidate], before: f64, share: f64) {
+fn keep_up(
+    context: &Context<'_>,
+    contenders: &mut Vec<Contender>,
+    tried: &[Candidate],
+    before: f64,
+    share: f64,
+) {
     contenders.sort_by(|a, b| a.at.total().total_cmp(&b.at.total()));
     let least = contenders.first().map_or(before, |contender| contender.at.total()).min(before);
     let line = (before - share * (before - least)).max(least + NEAR);
-    contenders.retain(|contender| contender.at.total() < line);
     keep_best_of_each(contenders, tried);
+    contenders.retain(|contender| {
+        let (iterations, deviance) = (contender.iterations, contender.at.total());
+        if deviance >= line {
+            let fate = Fate::RacedOut { iterations, deviance, best: least };
+            context.journal.note(&tried[contender.index], fate);
+        }
+        deviance < line
+    });
+}
+
+/// Notes the effects and places of which no fit was begun.
+fn note_diverged(context: &Context<'_>, contenders: &[Contender], tried: &[Candidate]) {
+    for (index, candidate) in tried.iter().enumerate().filter(|_| !context.stops()) {
+        let is_first = !tried[..index].iter().any(|other| other.is_same(candidate));
+        if is_first && !contenders.iter().any(|one| tried[one.index].is_same(candidate)) {
+            context.journal.note(candidate, Fate::Diverged);
+        }
+    }
 }
 
 /// The first round of a candidate that begins at a small amplitude.
@@ -134,8 +173,7 @@ fn begin(
         others.for_each(|(_, index)| begun.parameters[*index].fixed = true);
     }
     let values = carried_over((&before.model, &before.at.values), &grown);
-    let iterations = if is_free { RESTART_ROUND } else { FIRST_ROUND };
-    let round = (comparison::COARSE, iterations);
+    let round = (comparison::COARSE, first_round(candidate));
     let problem = context.tentative(&begun)?;
     // Start states are estimated anew, because those of the previous fit compensate for the missing physics. Those of many short segments
     // do not, and take more iterations than a round has.
@@ -195,9 +233,9 @@ fn continued(
     contender: Contender,
     noise: &NoiseModel,
 ) -> Result<Contender, IdentifyError> {
-    let Contender { index, model, at, done } = contender;
+    let Contender { index, model, at, iterations, done } = contender;
     if done || context.stops() {
-        return Ok(Contender { index, model, at, done });
+        return Ok(Contender { index, model, at, iterations, done });
     }
     let round = (comparison::COARSE, ROUND_ITERATIONS);
     let next =
@@ -205,5 +243,5 @@ fn continued(
     let next = next.unwrap_or_else(|| at.clone());
     let unit = (next.total() / next.count.iter().sum::<f64>().max(1.0)).max(1.0);
     let done = next.converged || at.total() - next.total() < LEAST_FALL * unit;
-    Ok(Contender { index, model, at: next, done })
+    Ok(Contender { index, model, iterations: iterations + ROUND_ITERATIONS, at: next, done })
 }

@@ -45,7 +45,8 @@ impl Path {
         let parts = parts?;
         let fit = FitOptions { start_state: StartState::Free, ..context.fit.clone() };
         let model = &self.base.model;
-        let short = Context::new(model, &parts, fit, context.options)?;
+        let journal = context.journal.on("on short parts of the recordings");
+        let short = Context::new(model, &parts, fit, context.options)?.noting_in(journal);
         let begun = forward::begin(&short, model, &model.values(), self.noise.levels())?;
         let Some(mut path) = begun else { return Ok(None) };
         path.test(&short)?;
@@ -54,6 +55,7 @@ impl Path {
         }
         let mut tried = path.worth_trying(context.options.false_alarm_rate);
         tried.retain(|(candidate, _)| !candidate.begins_large);
+        short.journal.note_left_out(&path.tests, &tried, context.options.false_alarm_rate);
         let Some(choice) = choice::best(&short, &path, &tried, None)? else { return Ok(None) };
         path.add(&short, choice)?;
         Ok(Some(path).filter(|path| !path.terms.is_empty()))

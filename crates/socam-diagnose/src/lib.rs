@@ -50,6 +50,7 @@ mod halving;
 mod held_out;
 mod horizon;
 mod intervals;
+mod journal;
 mod materiality;
 mod nested;
 mod noise_floor;
@@ -72,6 +73,7 @@ mod shortlist;
 mod spectrum;
 pub mod steady;
 mod suspects;
+mod why;
 mod words;
 
 pub use answer::INADEQUATE;

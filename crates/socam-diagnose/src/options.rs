@@ -17,6 +17,8 @@ pub struct Options {
     pub seed: u64,
     /// State from which the simulation of each recording starts.
     pub start_state: StartState,
+    /// Effects and places that are fitted together with the corrected model and in the place of each finding, to tell why they are none.
+    pub why: Vec<(String, String)>,
     /// Receives progress and can cancel the diagnosis.
     pub progress: ProgressMonitor,
 }
@@ -30,6 +32,7 @@ impl Default for Options {
             starts: 6,
             seed: 1,
             start_state: StartState::Free,
+            why: Vec::new(),
             progress: ProgressMonitor::default(),
         }
     }

@@ -47,6 +47,9 @@ impl Path {
             return Ok(None);
         }
         let regressed = path.regressed(&motion);
+        let journal = context.journal.on("in the regression of the torque on the measured motion");
+        let tried: Vec<_> = regressed.iter().map(|one| (one.candidate.clone(), one.p_value)).collect();
+        journal.note_left_out(&path.tests, &tried, context.options.false_alarm_rate);
         let fits = regressed.par_iter().enumerate().map(|(index, one)| {
             let problem = context.tentative(&one.model)?;
             let most = self.last.deviance();
@@ -55,7 +58,6 @@ impl Path {
         });
         let fits: Result<Vec<Option<Finalist>>, IdentifyError> = fits.collect();
         let finalists: Vec<Finalist> = fits?.into_iter().flatten().collect();
-        let tried: Vec<_> = regressed.into_iter().map(|one| (one.candidate, one.p_value)).collect();
         let Some(choice) = choice::among(context, &path, &tried, &finalists)? else { return Ok(None) };
         path.add(context, choice)?;
         // An excess smaller by this factor counts as near: further effects are then found in free runs.

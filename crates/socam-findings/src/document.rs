@@ -2,12 +2,14 @@
 //!
 //! All quantities are SI. Unknown and non-finite numbers are `None` (null).
 
+mod candidate;
 mod finding;
 mod in_order;
 mod overlay;
 
 use serde::{Deserialize, Serialize};
 
+pub use candidate::{CandidateFate, Stage, Trial};
 pub use finding::{Component, Curve, EffectParameter, Finding, FindingEvidence, Over, Region, Rival};
 pub use overlay::Overlay;
 
@@ -55,6 +57,9 @@ pub struct Diagnosis {
     pub combinations: Vec<CombinationChange>,
     /// Effects that were tested and not found; empty where the search was ended before its own end.
     pub not_found: Vec<NotFound>,
+    /// How far each candidate came, the furthest first; empty for steady states.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub candidates: Vec<CandidateFate>,
     /// The next experiment, if it would distinguish rivals.
     pub suggested_experiment: Option<SuggestedExperiment>,
     /// Processor time without reading files, s, all threads.

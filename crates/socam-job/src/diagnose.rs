@@ -6,12 +6,12 @@ use std::sync::{Mutex, PoisonError};
 use serde::{Deserialize, Serialize};
 use socam_diagnose::{Answer, Diagnosis, Evidence, HeldOut, SteadyOptions};
 use socam_identify::{Budget, ProgressMonitor};
-use socam_model::Model;
+use socam_model::{Model, effects};
 use socam_recording::{Dataset, Format, Steady, detect};
 
 use crate::error::{JobError, Result};
 use crate::grid::Grid;
-use crate::inputs::{refuse_shared, selections};
+use crate::inputs::{HELD_OUT_ALONE, refuse_fitted, refuse_shared, selections};
 use crate::model::ModelSettings;
 use crate::notation;
 use crate::options::Settings;
@@ -41,6 +41,11 @@ pub struct Diagnose {
     /// Greatest number of effects to add
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=6))]
     pub most: u8,
+    /// Tell of this effect why it is no finding: how far it came in the search, and what the corrected model gains or loses with it, fitted to
+    /// its end; may be repeated
+    #[arg(long, value_name = "EFFECT@PLACE")]
+    #[serde(deserialize_with = "notation::texts")]
+    pub why: Vec<String>,
     /// Seed of the random start values
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
@@ -121,7 +126,6 @@ impl Diagnose {
     /// copy of a fitted one or cannot be opened (only its first bytes are read).
     pub fn are_tables(&self, runs: &[String], holdout: &[String]) -> Result<bool> {
         let all = || runs.iter().chain(holdout);
-        refuse_shared(all(), "what is held out must not be fitted, and nothing counts double")?;
         let tables = all().filter(|run| matches!(detect(Path::new(run)), Ok(Format::SteadyStates))).count();
         let refused = |message: &str| Err(JobError::Inputs(message.into()));
         if tables == 0 {
@@ -137,10 +141,11 @@ impl Diagnose {
                 "--holdout is for recordings over time; of steady states each point is left out in turn",
             );
         }
-        if tables == 0 {
-            let held_out = selections(holdout)?;
-            held_out.iter().try_for_each(socam_import::probe)?;
-            socam_diagnose::refuse_copies(&selections(runs)?, &held_out)?;
+        if tables > 0 {
+            refuse_shared(all(), HELD_OUT_ALONE)?;
+        } else {
+            selections(holdout)?.iter().try_for_each(socam_import::probe)?;
+            refuse_fitted(runs, holdout)?;
         }
         Ok(tables > 0)
     }
@@ -166,6 +171,7 @@ impl Diagnose {
         progress: ProgressMonitor,
     ) -> Result<Diagnosed> {
         self.refuse_repeatability()?;
+        let why = self.asked_for(&model)?;
         let opened = Mutex::new(Vec::new());
         let keep = |data: Dataset| {
             opened.lock().unwrap_or_else(PoisonError::into_inner).push(data.clone());
@@ -180,7 +186,8 @@ impl Diagnose {
             }),
         });
         let progress = progress.within(Budget::seconds(self.budget_s, SEARCH_SHARE));
-        let answer = socam_diagnose::diagnose(&model, training, held_out, &self.options(progress))?;
+        let options = socam_diagnose::Options { why, ..self.options(progress) };
+        let answer = socam_diagnose::diagnose(&model, training, held_out, &options)?;
         let held_out = opened.into_inner().unwrap_or_else(PoisonError::into_inner);
         Ok(Diagnosed { answer, model, held_out })
     }
@@ -188,13 +195,46 @@ impl Diagnose {
     /// Diagnoses a model by tables of steady states.
     ///
     /// # Errors
-    /// When tables and model do not go together.
+    /// When tables and model do not go together, or an option is for recordings over time.
     pub fn run_steady(&self, model: Model, tables: &[Steady]) -> Result<Diagnosed> {
+        if let Some(asked) = self.why.first() {
+            let problem =
+                format!(" {asked}: of steady states all candidates are fitted, and none is left out");
+            return Err(JobError::value("why", "--why", problem));
+        }
         let repeatability = self.repeatability.unwrap_or(SteadyOptions::default().repeatability);
         let options = SteadyOptions { false_alarm_rate: self.false_alarm_rate, repeatability };
         let (diagnosis, model_toml) = socam_diagnose::diagnose_steady(&model, tables, options)?;
         let answer = Answer { diagnosis, evidence: Evidence::default(), model_toml };
         Ok(Diagnosed { answer, model, held_out: Vec::new() })
+    }
+
+    /// Effects and places of `--why`.
+    fn asked_for(&self, model: &Model) -> Result<Vec<(String, String)>> {
+        let one = |text: &String| {
+            let wrong = |problem: String| JobError::value("why", "--why", format!(" {text}: {problem}"));
+            let Some((id, place)) = text.split_once('@') else {
+                return Err(wrong("expected EFFECT@PLACE, as in coulomb_friction@motor_bearing".into()));
+            };
+            // An effect that acts on inputs by another law is listed twice.
+            let own = || effects::screened().filter(|effect| effect.id == id);
+            if own().next().is_none() {
+                let mut known: Vec<&str> = effects::screened().map(|effect| effect.id).collect();
+                known.dedup();
+                return Err(wrong(format!("there is no effect `{id}`; expected {}", known.join(", "))));
+            }
+            let places: Vec<String> = own().flat_map(|effect| effect.places_in(model)).collect();
+            if places.iter().any(|known| known == place) {
+                return Ok((id.to_owned(), place.to_owned()));
+            }
+            Err(wrong(match places.as_slice() {
+                [] => format!("`{id}` has no place in {}", model.name),
+                places => {
+                    format!("`{id}` is no candidate at `{place}`; its places are {}", places.join(", "))
+                }
+            }))
+        };
+        self.why.iter().map(one).collect()
     }
 
     /// The settings in the form of the library.

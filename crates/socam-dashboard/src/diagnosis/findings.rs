@@ -1,7 +1,7 @@
 //! The list of findings.
 
 use egui::{Frame, Grid, Margin, RichText, Stroke, Ui};
-use socam_findings::document::{EffectParameter, Finding, ParameterChange};
+use socam_findings::document::{CandidateFate, EffectParameter, Finding, ParameterChange, Stage, Trial};
 use socam_findings::words;
 use socam_findings::{Diagnosis, Proof};
 use socam_recording::ProfileFile;
@@ -60,6 +60,12 @@ pub(super) fn list(
             not_found(ui, diagnosis);
         },
     );
+    if !diagnosis.candidates.is_empty() {
+        let asked = diagnosis.candidates.iter().any(|fate| fate.asked);
+        egui::CollapsingHeader::new("How far each candidate came").default_open(asked).show(ui, |ui| {
+            candidates(ui, diagnosis);
+        });
+    }
     wanted
 }
 
@@ -187,4 +193,20 @@ fn not_found(ui: &mut Ui, diagnosis: &Diagnosis) {
             ui.end_row();
         }
     });
+}
+
+/// What became of each candidate of which a fit was begun, and of those that were asked for.
+fn candidates(ui: &mut Ui, diagnosis: &Diagnosis) {
+    let mut fates: Vec<&CandidateFate> = diagnosis.candidates.iter().collect();
+    fates.retain(|fate| fate.asked || fate.stage > Stage::NotProposed);
+    fates.sort_by_key(|fate| std::cmp::Reverse((fate.asked, fate.stage)));
+    for fate in fates {
+        let head = format!("{} at {}: {}", words::effect(&fate.effect), fate.location, fate.stage.words());
+        ui.label(RichText::new(words::capital(&head)).strong());
+        let trials = fate.trials.iter().map(Trial::sentence).map(|text| words::capital(&text));
+        for text in std::iter::once(fate.sentence.clone()).chain(trials) {
+            ui.label(RichText::new(text).small());
+        }
+        ui.add_space(3.0);
+    }
 }

@@ -120,6 +120,7 @@ pub fn diagnose_steady(
         finished: true,
         end: SearchEnd::Completed,
         unfinished: None,
+        candidates: Vec::new(),
         false_alarm_rate: options.false_alarm_rate,
         validation: Validation::Blocks,
         suggested_experiment: experiment::steady(&findings),

@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 use socam_findings::{
     Diagnosis, Evidence, Proof,
+    document::CandidateFate,
     headline::{self, Headline, PlaceMark, Tone},
 };
 use socam_model::Model;
@@ -65,6 +66,10 @@ fn sections(
     all.push(section("parameters", parameters, false, tables::parameters(diagnosis)));
     if !diagnosis.not_found.is_empty() {
         all.push(section("not-found", "Looked for and not found", false, not_found(diagnosis)));
+    }
+    if !diagnosis.candidates.is_empty() {
+        let asked = diagnosis.candidates.iter().any(|fate| fate.asked);
+        all.push(section("candidates", "How far each candidate came", asked, candidates(diagnosis)));
     }
     if !evidence.channels.is_empty() {
         all.push(section("residuals", "Residuals", false, pictures(diagnosis, evidence, model)));
@@ -187,6 +192,20 @@ fn next(diagnosis: &Diagnosis) -> Markup {
                 dd { @for pair in &experiment.tells_apart { span class="place" { code { (pair) } } " " } }
             }
         }
+    }
+}
+
+/// What became of each effect at each place in the search.
+fn candidates(diagnosis: &Diagnosis) -> Markup {
+    let mut fates: Vec<CandidateFate> = diagnosis.candidates.clone();
+    fates.sort_by_key(|fate| std::cmp::Reverse((fate.asked, fate.stage)));
+    html! {
+        p {
+            "Every effect was a candidate at every place where it can act. Each step of the search adds the one that predicts best. "
+            code { "socam-host diagnose --why EFFECT@PLACE" }
+            " also fits the corrected model with a candidate, whatever the search made of it."
+        }
+        (tables::candidates(&fates))
     }
 }
 

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use socam_findings::{
     Diagnosis,
-    document::{ChannelFit, NotFound, ParameterChange, UNEXPLAINED},
+    document::{CandidateFate, ChannelFit, NotFound, ParameterChange, UNEXPLAINED},
 };
 
 use super::words;
@@ -173,6 +173,28 @@ fn change(before: Option<f64>, after: Option<f64>) -> String {
         _ if percent.abs() < 0.05 => "0 %".to_owned(),
         _ if percent.abs() < 9.95 => words::minus(&format!("{percent:+.1} %")),
         _ => words::minus(&format!("{percent:+.0} %")),
+    }
+}
+
+/// How far each candidate came, and what the corrected model gains with those that were asked for.
+pub(super) fn candidates(fates: &[CandidateFate]) -> Markup {
+    html! {
+        div class="scroll" {
+            table class="candidates" {
+                thead { (heads(&["Effect", "Place", "How far", "Step", "Why no further"].map(Head::Text))) }
+                tbody {
+                    @for fate in fates {
+                        tr {
+                            td { (words::effect(&fate.effect)) }
+                            td { code { (fate.location) } }
+                            td { (fate.stage.words()) }
+                            td { (fate.step) }
+                            td { (fate.sentence) @for trial in &fate.trials { "; " (trial.sentence()) } }
+                        }
+                    }
+                }
+            }
+        }
     }
 }
 

@@ -148,7 +148,10 @@ fn one(args: &Args, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> an
         let values: Vec<(&str, f64)> = values.collect();
         oracle::is_equivalent(&case, &recordings, index, (&finding.effect, &finding.location, &values))
     };
-    let score = Score::new(&case, (&answer, cpu_s), oracle::ask(&case, &recordings), &equivalent);
+    let mut score = Score::new(&case, (&answer, cpu_s), oracle::ask(&case, &recordings), &equivalent);
+    if let (false, Ok(answer)) = (score.right, &answer) {
+        score.truth_gains = oracle::truth_gains(&case, &recordings, &answer.findings);
+    }
     folder.write(seed, number, File::Score, &score)?;
     Ok(score)
 }

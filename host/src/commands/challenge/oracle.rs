@@ -1,6 +1,7 @@
 //! An oracle that knows the hidden effects: their detectability on the held-out recordings, and whether another effect is observationally
 //! equivalent.
 
+use socam_diagnose::document::Finding;
 use socam_identify::comparison::{self, Evaluation, NoiseModel};
 use socam_identify::{Intersample, NoiseLevels, Options, Problem};
 use socam_model::{Model, effects};
@@ -91,6 +92,25 @@ pub(super) fn is_equivalent(
         }))
     };
     answer().unwrap_or(false)
+}
+
+/// What an answer's effects leave on the held-out recordings, less what the hidden effects leave, in units of the latter per value: whitened
+/// chi-square of models that are fitted to the training recordings from the true parameters. `None` where an answer's effect has no law.
+pub(super) fn truth_gains(case: &Case, recordings: &Recordings, findings: &[Finding]) -> Option<f64> {
+    let answer = || -> anyhow::Result<Option<f64>> {
+        let full = told(case, &case.hidden)?;
+        let noise_model = noise_model(case, &full, recordings)?;
+        let mut answered = told(case, &[])?;
+        for finding in findings {
+            let values = finding.parameters.iter().filter_map(|own| Some((own.name.as_str(), own.value?)));
+            let values: Vec<(&str, f64)> = values.collect();
+            answered = answered.with_effect(&finding.effect, &finding.location, &values)?;
+        }
+        let known = left(case, &full, &noise_model, recordings)?;
+        let other = left(case, &answered, &noise_model, recordings)?;
+        Ok(known.zip(other).map(|(known, other)| (other.total() - known.total()) / misfit(&known).max(1.0)))
+    };
+    answer().ok().flatten().filter(|gain| gain.is_finite())
 }
 
 /// The base model at the true parameters, with some of the hidden effects. Their laws are those of the catalogue, and the

@@ -6,9 +6,10 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use socam_sim::challenge::CaseKind;
 
+use super::oracle::DETECTABLE_GAIN;
 use super::probability::{Bin, calibration, log_score};
 use super::rates::{Rate, as_many_by_chance};
-use super::score::Score;
+use super::score::{Lost, Score};
 use crate::table;
 
 const SCHEMA: &str = "socam.challenge/2";
@@ -41,6 +42,11 @@ struct Part {
     /// Mean natural logarithm of the probability of the hidden effects, and their number; of detectable effects.
     log_score: Option<f64>,
     log_score_of: usize,
+    /// Where wrong answers lost the hidden effects: stage -> number of detectable effects.
+    lost: BTreeMap<&'static str, usize>,
+    /// Rate of wrong answers whose hidden effects, put in by hand, predict the held-out recordings better than the answer does, among those
+    /// that can be compared. The others were lost by the criterion or by the model of the bench, not by the search.
+    truth_is_better: Rate,
     /// Calibration of the stated probabilities.
     calibration: Vec<Bin>,
     /// Rate of correct answers whose corrected model predicts all channels within 1.15 times their noise, among benches that hide
@@ -132,6 +138,15 @@ impl Report {
                 score.family,
                 or_nothing(hidden)
             );
+            for Lost { effect, location, stage, sentence } in &score.lost {
+                let _ = writeln!(text, "    {effect}@{location}: {}. {sentence}", stage.words());
+            }
+            if let Some(gain) = score.truth_gains {
+                let _ = writeln!(
+                    text,
+                    "    put in by hand, the truth gains {gain:.0} over the answer on the held-out recordings"
+                );
+            }
         }
         if text.is_empty() { text } else { format!("\ncases that went wrong\n{text}") }
     }
@@ -168,6 +183,10 @@ impl Part {
             ),
             log_score: log_score(&probabilities),
             log_score_of: probabilities.len(),
+            lost: lost(&detectable),
+            truth_is_better: Rate::of(
+                detectable.iter().filter_map(|score| score.truth_gains).map(|gain| gain > DETECTABLE_GAIN),
+            ),
             calibration: calibration(cases.iter().flat_map(|score| score.statements.iter().copied())),
             at_the_floor: Rate::of(floor),
         }
@@ -196,6 +215,16 @@ impl Part {
                 self.log_score_of
             );
         }
+        for (stage, effects) in &self.lost {
+            let _ = writeln!(text, "hidden effects of wrong answers, {stage}: {effects}");
+        }
+        if self.truth_is_better.of > 0 {
+            let _ = writeln!(
+                text,
+                "wrong answers than which the hidden effects, put in by hand, predict better: {}",
+                self.truth_is_better.text()
+            );
+        }
         text += &Bin::table(&self.calibration);
         text += "right by family\n";
         for (family, rate) in &self.families {
@@ -210,6 +239,15 @@ impl Part {
         }
         text
     }
+}
+
+/// Number of hidden effects of wrong answers by the stage at which the search lost them.
+fn lost(cases: &[&Score]) -> BTreeMap<&'static str, usize> {
+    let mut all = BTreeMap::new();
+    for lost in cases.iter().flat_map(|score| &score.lost) {
+        *all.entry(lost.stage.words()).or_default() += 1;
+    }
+    all
 }
 
 impl FalseAlarms {

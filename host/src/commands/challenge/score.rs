@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
-use socam_diagnose::document::{Diagnosis, Finding, UNEXPLAINED};
+use socam_diagnose::document::{Diagnosis, Finding, Stage, UNEXPLAINED};
 use socam_sim::challenge::{Case, CaseKind, Drive, Hidden};
 
 use super::{background, oracle::Oracle};
 
-pub(super) const SCHEMA: &str = "socam.challenge-case/3";
+pub(super) const SCHEMA: &str = "socam.challenge-case/4";
 
 /// Greatest ratio of held-out residuals to the noise floor for a prediction down to the noise, with all findings and curves.
 const AT_THE_FLOOR: f64 = 1.15;
@@ -51,8 +51,25 @@ pub(super) struct Score {
     pub(super) at_the_floor: Option<bool>,
     /// Whether the intervals contain the truth, for effects that were named correctly.
     pub(super) intervals: Vec<(String, bool)>,
+    /// How far each hidden effect of the catalogue came that is no finding of a wrong answer.
+    #[serde(default)]
+    pub(super) lost: Vec<Lost>,
+    /// Of a wrong answer: whitened chi-square that its effects leave on the held-out recordings, less what the hidden effects leave, in units
+    /// of the latter per value. Both are fitted from the true parameters; a positive number says that the criterion had reason to prefer the
+    /// truth. `None` where a fit fails, or the answer has a curve.
+    #[serde(default)]
+    pub(super) truth_gains: Option<f64>,
     /// Processor time of the diagnosis, s.
     pub(super) cpu_s: Option<f64>,
+}
+
+/// A hidden effect that is no finding, and where the search lost it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Lost {
+    pub(super) effect: String,
+    pub(super) location: String,
+    pub(super) stage: Stage,
+    pub(super) sentence: String,
 }
 
 /// Whether a finding is observationally equivalent to a hidden effect, which is given by its number.
@@ -93,9 +110,26 @@ impl Score {
             statements: findings.iter().flat_map(|finding| statements(case, finding)).collect(),
             at_the_floor: answer.filter(|_| right).and_then(at_the_floor),
             intervals: case.hidden.iter().flat_map(|hidden| intervals(case, hidden, findings)).collect(),
+            lost: answer.filter(|_| !right).map_or_else(Vec::new, |answer| lost(case, answer)),
+            truth_gains: None,
             cpu_s: answer.map(|_| cpu_s),
         }
     }
+}
+
+/// The hidden effects of the catalogue that are no findings.
+fn lost(case: &Case, answer: &Diagnosis) -> Vec<Lost> {
+    let of_catalogue = case.hidden.iter().filter(|_| case.kind != CaseKind::Outside);
+    let one = |hidden: &Hidden| {
+        let known = answer.candidates.iter().find(|one| is_named((&one.effect, &one.location), hidden));
+        let (stage, sentence) = known.map_or_else(
+            || (Stage::NotProposed, "it was not among the candidates".to_owned()),
+            |fate| (fate.stage, fate.sentence.clone()),
+        );
+        let (effect, location) = (hidden.effect.clone(), hidden.place.clone());
+        (stage != Stage::Found).then_some(Lost { effect, location, stage, sentence })
+    };
+    of_catalogue.filter_map(one).collect()
 }
 
 /// Weight of a finding among its rivals.

@@ -1,7 +1,7 @@
 //! A diagnosis as text: the headline, each finding, the fit, and the parameters.
 
 use socam_diagnose::Diagnosis;
-use socam_findings::document::{Finding, UNEXPLAINED};
+use socam_findings::document::{CandidateFate, Finding, Stage, UNEXPLAINED};
 use socam_findings::{Proof, headline, words};
 
 use crate::table;
@@ -24,6 +24,7 @@ pub(crate) fn text(diagnosis: &Diagnosis) -> String {
     }
     text.push_str(&fit(diagnosis));
     text.push_str(&changed(diagnosis));
+    diagnosis.candidates.iter().filter(|one| one.asked).for_each(|one| text.push_str(&why(one)));
     if let Some(next) = &diagnosis.suggested_experiment {
         text.push_str(&format!(
             "\nWhat to record next, {}\n  {}\n",
@@ -35,6 +36,20 @@ pub(crate) fn text(diagnosis: &Diagnosis) -> String {
         ));
     }
     text.push_str(&format!("\n{} s of processor time\n", words::rough(diagnosis.cpu_s)));
+    text
+}
+
+/// Why a candidate is no finding.
+fn why(fate: &CandidateFate) -> String {
+    let CandidateFate { location, step, .. } = fate;
+    let (effect, stage) = (words::effect(&fate.effect), fate.stage.words());
+    if fate.stage == Stage::Found {
+        return format!("\nWhy not {effect} at {location}: it is a finding\n");
+    }
+    let mut text = format!("\nWhy not {effect} at {location}: {stage} (step {step})\n  {}.\n", fate.sentence);
+    for trial in &fate.trials {
+        text.push_str(&format!("  {}.\n", words::capital(&trial.sentence())));
+    }
     text
 }
 

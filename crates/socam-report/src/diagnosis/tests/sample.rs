@@ -182,6 +182,7 @@ pub(super) fn diagnosis() -> Diagnosis {
         finished: true,
         end: SearchEnd::Completed,
         unfinished: None,
+        candidates: Vec::new(),
         false_alarm_rate: 0.01,
         validation: Validation::Holdout,
         findings: vec![friction(), kinematic_error()],

@@ -82,6 +82,25 @@ fn the_first_finding_counts() {
 }
 
 #[test]
+fn a_wrong_answer_says_where_the_truth_was_lost() {
+    let truth = [("gravity_unbalance", "load"), ("backlash", "mesh")];
+    let mut answer = diagnosis(&[finding("sensor_gain", "torque_out", &[])], 0.02).unwrap();
+    answer.candidates = serde_json::from_value(json!([
+        {"effect": "sensor_gain", "location": "torque_out", "stage": "found", "step": 1, "sentence": "Found"},
+        {"effect": "gravity_unbalance", "location": "load", "stage": "raced_out", "step": 1, "sentence": "Given up"},
+    ]))
+    .unwrap();
+    let oracle = Oracle { gain: vec![Some(100.0); 2], misfit: Some(1.0) };
+    let case = case(CaseKind::Double, &truth);
+    let score = Score::new(&case, (&Ok(answer), 2.0), oracle, &same_effect);
+    let lost: Vec<_> = score.lost.iter().map(|one| (one.effect.as_str(), one.stage)).collect();
+    assert_eq!(lost, [("gravity_unbalance", Stage::RacedOut), ("backlash", Stage::NotProposed)]);
+    let text = crate::commands::challenge::report::Report::new(1, vec![score]).text();
+    assert!(text.contains("given up during its fit: 1") && text.contains("never proposed: 1"), "{text}");
+    assert!(text.contains("gravity_unbalance@load: given up during its fit. Given up"), "{text}");
+}
+
+#[test]
 fn a_twin_counts_if_it_owns_up() {
     let truth = [("missing_inertia", "cam_shaft")];
     let named = |rivals: &[(&str, &str)]| finding("missing_inertia", "disk", rivals);

@@ -1,0 +1,122 @@
+//! Why an effect is no finding: the corrected model with that effect, fitted to its end whatever the search made of it.
+
+use rayon::prelude::*;
+use socam_identify::{IdentifyError, comparison};
+use socam_model::Model;
+
+use crate::{
+    candidate::Candidate,
+    candidates,
+    context::Context,
+    document::{CandidateFate, Stage, Trial, UNEXPLAINED},
+    extension::{carried_over, extended},
+    selection::Path,
+};
+
+/// Largest number of iterations of such a fit: slow candidates take more than the search gives them.
+const ITERATIONS: usize = 60;
+/// Grid points of the effect, by the score test, whose starts are fitted.
+const GRID_POINTS: usize = 2;
+
+/// How far each candidate of the search came, with the trials of those that the options ask for.
+pub(crate) fn fates(context: &Context<'_>, path: &Path) -> Result<Vec<CandidateFate>, IdentifyError> {
+    let mut all = context.journal.fates();
+    for (effect, location) in &context.options.why {
+        let is_it = |one: &CandidateFate| one.effect == *effect && one.location == *location;
+        let index = all.iter().position(is_it).unwrap_or_else(|| {
+            all.push(CandidateFate {
+                effect: effect.clone(),
+                location: location.clone(),
+                stage: Stage::NotProposed,
+                step: 1,
+                sentence: "No score test was made of it: it is part of the model, or equal to an effect that was found".into(),
+                asked: true,
+                trials: Vec::new(),
+            });
+            all.len() - 1
+        });
+        all[index].asked = true;
+        if all[index].stage != Stage::Found && !context.stops() {
+            all[index].trials = trials(context, path, (effect, location))?;
+        }
+    }
+    Ok(all)
+}
+
+/// The trials of an effect at a place, the best gain first. Empty where every fit overflows.
+fn trials(
+    context: &Context<'_>,
+    path: &Path,
+    (effect, location): (&str, &str),
+) -> Result<Vec<Trial>, IdentifyError> {
+    let starts = starts(context, path, (effect, location))?;
+    let curve = match &path.unexplained {
+        Some(curve) => context.refitted(&curve.fitted, &path.noise)?.map(|fitted| (curve, fitted)),
+        None => None,
+    };
+    let corrected = curve.as_ref().map_or(&path.last, |(_, fitted)| fitted);
+    let named = (0..path.terms.len()).filter(|_| curve.is_none());
+    let mut all = Vec::new();
+    for instead_of in std::iter::once(None).chain(named.map(Some)) {
+        let base = match instead_of {
+            None => Some((path.last.model.clone(), path.last.at.values.clone())),
+            Some(term) => path.start_without(term),
+        };
+        let Some((model, values)) = base else { continue };
+        let fits = starts.par_iter().map(|start| fitted(context, path, (&model, &values), start));
+        let fits: Result<Vec<Option<_>>, IdentifyError> = fits.collect();
+        let least = |a: &(Model, comparison::Evaluation), b: &(Model, comparison::Evaluation)| {
+            a.1.total().total_cmp(&b.1.total())
+        };
+        let Some((model, at)) = fits?.into_iter().flatten().min_by(least) else { continue };
+        let Some(fitted) = context.validated(&model, at, &path.noise)? else { continue };
+        let gained = path.gain(&fitted, corrected);
+        let of_term = instead_of.map(|term: usize| {
+            let candidate = &path.terms[term].candidate;
+            (candidate.effect.id.to_owned(), candidate.place.clone())
+        });
+        let of_curve = curve.as_ref().map(|(curve, _)| (UNEXPLAINED.to_owned(), curve.place.clone()));
+        let instead_of = of_term.or(of_curve);
+        // A fit that its prior excludes has no score.
+        if gained.log_score.is_finite() {
+            all.push(Trial { instead_of, log_score: gained.log_score, std: gained.std });
+        }
+    }
+    all.sort_by(|a, b| b.log_score.total_cmp(&a.log_score));
+    Ok(all)
+}
+
+/// Small and usual amplitudes at the grid points that score best.
+fn starts(
+    context: &Context<'_>,
+    path: &Path,
+    (effect, location): (&str, &str),
+) -> Result<Vec<Candidate>, IdentifyError> {
+    let is_it = |one: &&Candidate| one.effect.id == effect && one.place == location;
+    let (model, values) = (&path.last.model, &path.last.at.values);
+    let mut own: Vec<Candidate> = path.tests.iter().map(|one| &one.start).filter(is_it).cloned().collect();
+    if own.is_empty() {
+        let all = candidates::all(model, &path.scales(context)?);
+        own = all.iter().filter(is_it).cloned().collect();
+    }
+    own.truncate(GRID_POINTS);
+    let begun = own.into_iter().flat_map(|one| {
+        let usual = candidates::usual_starts(&one, &path.priors.rig);
+        candidates::starts(one, model, values).into_iter().chain(usual)
+    });
+    Ok(begun.collect())
+}
+
+/// A model with one more effect, fitted from one start. `None` where it cannot act or overflows.
+fn fitted(
+    context: &Context<'_>,
+    path: &Path,
+    (model, values): (&Model, &[f64]),
+    start: &Candidate,
+) -> Result<Option<(Model, comparison::Evaluation)>, IdentifyError> {
+    let Some(more) = extended(model, start) else { return Ok(None) };
+    let values = carried_over((model, values), &more);
+    let round = (comparison::FINE, ITERATIONS);
+    let at = comparison::descend(&context.tentative(&more)?, &path.noise, &values, None, round)?;
+    Ok(at.map(|at| (more, at)))
+}
