@@ -193,7 +193,7 @@ fn wrong_arguments_are_refused() {
         ("80..2", &["80 to 2 Hz", "below its upper end"]),
         ("2..501", &["501 Hz", &run, "500 Hz"]),
     ] {
-        let (train, test) = (format!("{run}@..0.08"), format!("{run}@0.1.."));
+        let (train, test) = (format!("{run}@0..0.08"), format!("{run}@0.1..0.2"));
         let arguments = ["identify", &train, "--validate", &test, "--band", band];
         folder.refuses(WRONG_ARGUMENTS, &arguments, mentions);
     }

@@ -8,6 +8,7 @@ use crate::{
     context::{Context, FittedModel},
     criterion::{self, Scored},
     halving::{self, Finalist},
+    journal::{self, Fate},
     scales::Scales,
     selection::{DISPLACED, EXCESS, Path, Term},
 };
@@ -88,14 +89,23 @@ pub(crate) fn among(
     if context.stops() {
         return Ok(None);
     }
+    for (one, _) in finalists.iter().zip(&refitted).filter(|(_, fitted)| fitted.is_none()) {
+        context.journal.note(&tried[one.index].0, Fate::Diverged);
+    }
     let fits = refitted.into_iter().flatten();
     // A fit outside the support of a prior is not a candidate.
-    let fits: Vec<(usize, FittedModel)> =
-        fits.filter(|(_, fitted)| path.priors.log_prior(fitted).is_finite()).collect();
+    let (fits, shut_out): (Vec<_>, Vec<_>) =
+        fits.partition(|(_, fitted)| path.priors.log_prior(fitted).is_finite());
+    shut_out.iter().for_each(|(index, _)| context.journal.note(&tried[*index].0, Fate::ShutOut));
     let Some(chosen) = simplest(path, &before, &fits) else { return Ok(None) };
     let (index, fitted) = &fits[chosen];
     let gained = path.gain(fitted, &before);
-    if gained.log_score <= gained.std {
+    for (other, fitted) in fits.iter().filter(|(other, _)| !tried[*other].0.is_same(&tried[*index].0)) {
+        let less = path.gain(&fits[chosen].1, fitted);
+        context.journal.note(&tried[*other].0, Fate::Worse { than: journal::named(&tried[*index].0), less });
+    }
+    if !Path::is_better(&noise, gained, (fitted, &before)) {
+        context.journal.note(&tried[*index].0, Fate::NoGain(gained));
         return Ok(None);
     }
     let (candidate, p_value) = tried[*index].clone();

@@ -14,6 +14,8 @@ use socam_identify::comparison::cross_validation::CrossValidation;
 const MOST_MERGED: usize = 5;
 /// Least number of blocks that a recording is divided into, if it is long enough.
 const LEAST_BLOCKS: usize = 10;
+/// Standard errors by which the ratio of two models' sums of squares must differ from one.
+const RATIO_ERRORS: f64 = 2.0;
 /// Draws of the bootstrap.
 const DRAWS: usize = 500;
 /// Discrepancy of a law: the real effect differs from its law by about this share of its contribution to the outputs, 1 (2 to 8 % between
@@ -68,6 +70,22 @@ pub(crate) fn difference(a: &CrossValidation, b: &CrossValidation) -> Difference
 /// Number of the evaluation's blocks in one block of the criterion: 1 s of them, or fewer where a recording is short.
 fn merged_blocks(blocks: &[f64]) -> usize {
     (blocks.len() / LEAST_BLOCKS).clamp(1, MOST_MERGED)
+}
+
+/// Whether `a` leaves less than `b` in most blocks: the mean logarithm of the ratio of a block's sums of squares exceeds [`RATIO_ERRORS`]
+/// standard errors. Each block counts alike, however much of the misfit it holds.
+pub(crate) fn leaves_less(a: &CrossValidation, b: &CrossValidation) -> bool {
+    let each = a.blocks.iter().zip(&b.blocks).flat_map(|(a, b)| {
+        let merged = merged_blocks(a);
+        let sums = a.chunks(merged).zip(b.chunks(merged));
+        sums.map(|(a, b)| (a.iter().sum::<f64>(), b.iter().sum::<f64>())).collect::<Vec<_>>()
+    });
+    // Masked samples are exactly zero.
+    let ratios: Vec<f64> = each.filter(|(a, b)| *a > 0.0 && *b > 0.0).map(|(a, b)| (b / a).ln()).collect();
+    let n = ratios.len() as f64;
+    let mean = ratios.iter().sum::<f64>() / n;
+    let variance = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    mean > RATIO_ERRORS * (variance / n).sqrt()
 }
 
 /// Divisor of a difference of log scores for a law that gains `gained`: the difference that its discrepancy can make counts as one nat.
@@ -129,6 +147,20 @@ mod tests {
             .map(|level| (0..50).map(|k| level + f64::from(k % 7) + 0.1 * f64::from(k % 3)).collect())
             .collect();
         CrossValidation { held_out: blocks.iter().map(|b| b.iter().sum()).collect(), blocks }
+    }
+
+    /// Blocks count alike, although the last ones hold nearly all of an error that grows.
+    #[test]
+    fn what_leaves_less_in_most_blocks_is_told_from_chance() {
+        let growing = |share: f64| {
+            let blocks: Vec<f64> = (0..50).map(|k| share * 1.5_f64.powi(k)).collect();
+            CrossValidation { held_out: vec![blocks.iter().sum()], blocks: vec![blocks] }
+        };
+        let (after, before) = (growing(0.3), growing(1.0));
+        assert!(leaves_less(&after, &before) && !leaves_less(&before, &after));
+        let mut shuffled = after.clone();
+        shuffled.blocks[0].iter_mut().step_by(2).for_each(|block| *block *= 9.0);
+        assert!(!leaves_less(&shuffled, &before));
     }
 
     /// An effect that acts in one recording only makes no scatter within the recordings.

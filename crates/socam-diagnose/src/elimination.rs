@@ -6,7 +6,9 @@ use socam_identify::{IdentifyError, comparison::Evaluation};
 use crate::{
     candidate::Candidate,
     context::{self, Context, FittedModel},
-    criterion, nested,
+    criterion,
+    journal::{self, Fate},
+    nested,
     selection::{EXCESS, Path},
 };
 
@@ -27,7 +29,8 @@ impl Path {
                 break;
             }
             let gained = self.gain(&self.last, &without);
-            if gained.log_score <= gained.std {
+            if !Self::is_better(&self.noise, gained, (&self.last, &without)) {
+                context.journal.note(&self.terms[index].candidate, Fate::Superfluous(gained));
                 self.remove(context, index, without)?;
             }
         }
@@ -101,6 +104,9 @@ impl Path {
             self.unexplained = curve.fitted_again(context, self)?;
             if self.unexplained.is_none() {
                 *self = named;
+            } else {
+                let by = "a curve without a law".to_owned();
+                context.journal.note(&named.terms[index].candidate, Fate::Replaced { by });
             }
         }
         Ok(())
@@ -117,9 +123,7 @@ impl Path {
             let gained = self.gain(&self.last, &fitted);
             if gained.log_score <= gained.std.max(self.least_gain_over(index, &simpler)) {
                 self.last = fitted;
-                let term = &mut self.terms[index];
-                term.rivals.retain(|(rival, _)| !rival.is_same(&simpler));
-                term.candidate = simpler;
+                self.take_law(context, index, simpler);
                 return Ok(());
             }
         }
@@ -173,10 +177,18 @@ impl Path {
             return Ok(());
         }
         (self.last, self.noise) = (after, noise);
-        let term = &mut self.terms[index];
-        term.rivals.retain(|(rival, _)| !rival.is_same(&candidate));
-        term.candidate = candidate;
+        self.take_law(context, index, candidate);
         Ok(())
+    }
+
+    /// Puts another law in a term's place.
+    fn take_law(&mut self, context: &Context<'_>, index: usize, law: Candidate) {
+        let term = &mut self.terms[index];
+        if !term.candidate.is_same(&law) {
+            context.journal.note(&term.candidate, Fate::Replaced { by: journal::named(&law) });
+        }
+        term.rivals.retain(|(rival, _)| !rival.is_same(&law));
+        term.candidate = law;
     }
 
     /// Replaces a term's law in the last model by another law, fits a few rounds from each of several starts, and returns the fit with the

@@ -12,6 +12,7 @@ use crate::{
     choice::{self, Choice},
     context::{Context, FittedModel},
     criterion, halving,
+    journal::Fate,
     nonparametric::{self, term::Unexplained},
     plausibility::PriorKnowledge,
     scales::Scales,
@@ -87,6 +88,7 @@ impl Path {
     /// One step: adds the effect that predicts best, if one predicts better than the last model. Returns whether an effect was added. A
     /// choice during which the search was ended is not made.
     fn extend(&mut self, context: &Context<'_>) -> Result<bool, IdentifyError> {
+        context.journal.begin_step(self.effects() + 1);
         self.begin_part(context, "score test of the candidates", 0.0);
         self.settle_inputs(context)?;
         let scales = self.test(context)?;
@@ -98,6 +100,7 @@ impl Path {
         }
         self.begin_part(context, "fits of the candidates", 0.3);
         let tried = self.worth_trying(context.options.false_alarm_rate);
+        context.journal.note_left_out(&self.tests, &tried, context.options.false_alarm_rate);
         let mut named = choice::best(context, self, &tried, Some(&scales))?;
         if context.stops() {
             self.unexamined = Some(Unexamined::fits(&tried));
@@ -121,7 +124,10 @@ impl Path {
             let late = choice::best(context, self, &overlooked, None)?;
             named = match late {
                 Some(late) if !curve.beats(context, self, &late)? => Some(late),
-                _ => self.first_of_two(context, curve)?,
+                late => {
+                    late.iter().for_each(|late| context.journal.note(&late.term.candidate, Fate::Curve));
+                    self.first_of_two(context, curve)?
+                }
             };
             if context.stops() {
                 self.unexamined = Some(Unexamined::Laws);
@@ -135,6 +141,7 @@ impl Path {
         }
         let Some(choice) = named else { return Ok(false) };
         if self.is_remainder(context, &choice)? {
+            context.journal.note(&choice.term.candidate, Fate::Remainder);
             return Ok(false);
         }
         self.add(context, choice)?;

@@ -11,7 +11,7 @@ use socam_recording::Dataset;
 
 use crate::{
     candidate::Candidate,
-    context::{Context, FittedModel},
+    context::{Context, FAR_BEYOND_NOISE, FittedModel},
     criterion::{self, Difference},
     equivalence::equivalents,
     extension::carried_over,
@@ -94,6 +94,21 @@ impl Path {
         let own = criterion::difference(&after.validation, &before.validation);
         let prior = self.priors.log_prior(after) - self.priors.log_prior(before);
         Difference { log_score: own.log_score + prior, ..own }
+    }
+
+    /// Whether a model predicts better than another, which it gains `gained` over, by more than a standard error. Where both are far from the
+    /// data a log score is that of a few blocks, such as those in which an integrated error has grown most: there it also predicts better if
+    /// it leaves less in most blocks. `noise` is the noise model of both.
+    pub(crate) fn is_better(
+        noise: &NoiseModel,
+        gained: Difference,
+        (after, before): (&FittedModel, &FittedModel),
+    ) -> bool {
+        let is_far = noise.excess() >= FAR_BEYOND_NOISE;
+        gained.log_score > gained.std
+            || is_far
+                && gained.log_score > 0.0
+                && criterion::leaves_less(&after.validation, &before.validation)
     }
 
     /// Number of added effects. Several orders of one effect at one place count once.
