@@ -23,7 +23,10 @@ impl FinalChoice {
         before: &Identification,
     ) -> Result<Self, IdentifyError> {
         let estimates = determined(context, &mut path, before)?;
-        path.terms.iter().for_each(|term| context.journal.note(&term.candidate, Fate::Found));
+        for (index, term) in path.terms.iter().enumerate() {
+            context.journal.begin_step(index + 1);
+            context.journal.note(&term.candidate, Fate::Found);
+        }
         path.test_last(context)?;
         if context.stops() {
             path.unexamined.get_or_insert(Unexamined::Comparisons);

@@ -109,10 +109,16 @@ struct Note {
     fate: Fate,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct State {
     step: usize,
     notes: Vec<Note>,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self { step: 1, notes: Vec::new() }
+    }
 }
 
 /// The notes of one diagnosis. Clones share them.

@@ -51,7 +51,7 @@ impl Stage {
             Self::NotProposed => "never proposed",
             Self::RacedOut => "given up during its fit",
             Self::ShutOut => "shut out by its prior",
-            Self::Worse => "predicts worse",
+            Self::Worse => "fitted, not chosen",
             Self::Removed => "found and removed",
             Self::Found => "found",
         }
