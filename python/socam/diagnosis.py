@@ -76,6 +76,11 @@ class Diagnosis:
         return [Finding.of(entry) for entry in self.document["findings"]]
 
     @property
+    def candidates(self) -> list[dict[str, Any]]:
+        """How far each effect came at each place, and why no further; with `trials` for those named in `why`. Empty for steady states."""
+        return list(self.document.get("candidates", []))
+
+    @property
     def warnings(self) -> list[str]:
         """What a careful reader should know."""
         return list(self.document["warnings"])

@@ -122,6 +122,9 @@ class DiagnoseOptions(TypedDict, total=False):
         but do not count as missing physics [default: 0.001].
     most
         Greatest number of effects to add [default: 3].
+    why
+        Tell of this effect why it is no finding: how far it came in the search, and what the corrected model gains or loses
+        with it, fitted to its end; may be repeated.
     seed
         Seed of the random start values [default: 1].
     budget_s
@@ -136,6 +139,7 @@ class DiagnoseOptions(TypedDict, total=False):
     start: Literal["free", "equilibrium"]
     tolerance: float
     most: int
+    why: str | Iterable[str] | None
     seed: int
     budget_s: float
 

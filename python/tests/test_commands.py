@@ -92,10 +92,11 @@ def test_diagnose_is_that_of_the_command_line(host: Path, tmp_path: Path) -> Non
     path, folder = str(tmp_path / "run.mcap"), tmp_path / "report"
     hide = "coulomb_friction@load_bearing:torque=0.4"
     run(host, "simulate", "--profile", "reversals", "--duration", "3s", "--rate", "250", "--hide", hide, "-o", path)
-    theirs = json.loads(run(host, "diagnose", path, "--most", "1", "--json"))
-    ours = socam.diagnose(path, most=1)
+    theirs = json.loads(run(host, "diagnose", path, "--most", "1", "--why", "constant_load@load", "--json"))
+    ours = socam.diagnose(path, most=1, why="constant_load@load")
     same(json.loads(ours.to_json()), theirs)
     assert ours.verdict == theirs["verdict"]
+    assert [one["effect"] for one in ours.candidates if one.get("asked")] == ["constant_load"]
     assert len(ours.findings) == len(theirs["findings"])
     ours.report(folder)
     assert ours.headline in (folder / "index.html").read_text()
