@@ -92,5 +92,7 @@ fn what_is_not_understood_is_refused_in_one_sentence() {
         assert_eq!(described(chain, &[drive], &[measure], None).unwrap_err(), *expected);
     }
     let missing = described(axis, &[], &[], None).unwrap_err();
-    assert_eq!(missing, "--drive is missing: say it as in --drive torque@motor:COLUMN");
+    let expected = "--drive is missing: say it as in --drive torque@motor:COLUMN, or --drive none where it swings freely";
+    assert_eq!(missing, expected);
+    assert!(described(axis, &["none"], &["speed@load"], None).is_ok());
 }
