@@ -72,8 +72,8 @@ pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, Ide
         fit: recordings::fit(inputs),
         parameters: parameters::parameters(before, after),
         combinations: parameters::combinations(before, after),
-        // What was tested before the search was ended may be found by the steps that were not made.
         candidates: why::fates(context, path)?,
+        // What was tested before the search was ended may be found by the steps that were not made.
         not_found: if is_finished { not_found::not_found(path) } else { Vec::new() },
         finished: is_finished,
         end: cutoff.map_or(SearchEnd::Completed, |(_, how)| match how.cause {

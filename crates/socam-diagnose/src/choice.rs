@@ -100,12 +100,13 @@ pub(crate) fn among(
     let Some(chosen) = simplest(path, &before, &fits) else { return Ok(None) };
     let (index, fitted) = &fits[chosen];
     let gained = path.gain(fitted, &before);
-    for (other, fitted) in fits.iter().filter(|(other, _)| !tried[*other].0.is_same(&tried[*index].0)) {
-        let less = path.gain(&fits[chosen].1, fitted);
-        context.journal.note(&tried[*other].0, Fate::Worse { than: journal::named(&tried[*index].0), less });
+    let best = &tried[*index].0;
+    for (other, at) in fits.iter().filter(|(other, _)| !tried[*other].0.is_same(best)) {
+        let less = path.gain(fitted, at);
+        context.journal.note(&tried[*other].0, Fate::Worse { than: journal::named(best), less });
     }
     if !Path::is_better(&noise, gained, (fitted, &before)) {
-        context.journal.note(&tried[*index].0, Fate::NoGain(gained));
+        context.journal.note(best, Fate::NoGain(gained));
         return Ok(None);
     }
     let (candidate, p_value) = tried[*index].clone();

@@ -1,6 +1,6 @@
 //! What became of each candidate: the stages note it here while the search runs, and the answer tells it.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use socam_findings::words;
 
@@ -135,13 +135,17 @@ impl Journal {
         Self { data, ..self.clone() }
     }
 
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Begins a step of the search: from now on notes are about it.
     pub(crate) fn begin_step(&self, step: usize) {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner).step = step;
+        self.state().step = step;
     }
 
     pub(crate) fn note(&self, candidate: &Candidate, fate: Fate) {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = self.state();
         let (effect, place) = (candidate.effect.id, candidate.place.clone());
         let note = Note { effect, place, step: state.step, data: self.data, fate };
         state.notes.push(note);
@@ -166,30 +170,22 @@ impl Journal {
         }
     }
 
-    /// How far each effect came at each place, the furthest first: of notes at the same stage, the last.
+    /// How far each effect came at each place: of notes at the same stage, the last.
     pub(crate) fn fates(&self) -> Vec<CandidateFate> {
-        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let state = self.state();
         let mut all: Vec<CandidateFate> = Vec::new();
         for note in &state.notes {
             let stage = note.fate.stage();
             let known = all.iter_mut().find(|one| one.effect == note.effect && one.location == note.place);
             let data = if note.data.is_empty() { String::new() } else { format!("{}: ", note.data) };
-            let one = CandidateFate {
-                effect: note.effect.to_owned(),
-                location: note.place.clone(),
-                stage,
-                step: note.step,
-                sentence: words::capital(&format!("{data}{}", note.fate.sentence())),
-                asked: false,
-                trials: Vec::new(),
-            };
+            let sentence = words::capital(&format!("{data}{}", note.fate.sentence()));
+            let one = CandidateFate::new(note.effect, &note.place, (stage, note.step), sentence);
             match known {
                 Some(known) if known.stage > stage => {}
                 Some(known) => *known = one,
                 None => all.push(one),
             }
         }
-        all.sort_by_key(|one| std::cmp::Reverse(one.stage));
         all
     }
 }

@@ -24,15 +24,9 @@ pub(crate) fn fates(context: &Context<'_>, path: &Path) -> Result<Vec<CandidateF
     for (effect, location) in &context.options.why {
         let is_it = |one: &CandidateFate| one.effect == *effect && one.location == *location;
         let index = all.iter().position(is_it).unwrap_or_else(|| {
-            all.push(CandidateFate {
-                effect: effect.clone(),
-                location: location.clone(),
-                stage: Stage::NotProposed,
-                step: 1,
-                sentence: "No score test was made of it: it is part of the model, or equal to an effect that was found".into(),
-                asked: true,
-                trials: Vec::new(),
-            });
+            let sentence =
+                "No score test was made of it: it is part of the model, or equal to an effect that was found";
+            all.push(CandidateFate::new(effect, location, (Stage::NotProposed, 1), sentence.into()));
             all.len() - 1
         });
         all[index].asked = true;
@@ -40,6 +34,7 @@ pub(crate) fn fates(context: &Context<'_>, path: &Path) -> Result<Vec<CandidateF
             all[index].trials = trials(context, path, (effect, location))?;
         }
     }
+    all.sort_by_key(|one| std::cmp::Reverse((one.asked, one.stage)));
     Ok(all)
 }
 

@@ -57,7 +57,7 @@ pub struct Diagnosis {
     pub combinations: Vec<CombinationChange>,
     /// Effects that were tested and not found; empty where the search was ended before its own end.
     pub not_found: Vec<NotFound>,
-    /// How far each candidate came, the furthest first; empty for steady states.
+    /// How far each candidate came, those that were asked for first, then the furthest; empty for steady states.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub candidates: Vec<CandidateFate>,
     /// The next experiment, if it would distinguish rivals.

@@ -197,10 +197,8 @@ fn not_found(ui: &mut Ui, diagnosis: &Diagnosis) {
 
 /// What became of each candidate of which a fit was begun, and of those that were asked for.
 fn candidates(ui: &mut Ui, diagnosis: &Diagnosis) {
-    let mut fates: Vec<&CandidateFate> = diagnosis.candidates.iter().collect();
-    fates.retain(|fate| fate.asked || fate.stage > Stage::NotProposed);
-    fates.sort_by_key(|fate| std::cmp::Reverse((fate.asked, fate.stage)));
-    for fate in fates {
+    let was_begun = |fate: &&CandidateFate| fate.asked || fate.stage > Stage::NotProposed;
+    for fate in diagnosis.candidates.iter().filter(was_begun) {
         let head = format!("{} at {}: {}", words::effect(&fate.effect), fate.location, fate.stage.words());
         ui.label(RichText::new(words::capital(&head)).strong());
         let trials = fate.trials.iter().map(Trial::sentence).map(|text| words::capital(&text));

@@ -25,6 +25,15 @@ pub struct CandidateFate {
     pub trials: Vec<Trial>,
 }
 
+impl CandidateFate {
+    /// The fate of a candidate that was not asked for.
+    #[must_use]
+    pub fn new(effect: &str, location: &str, (stage, step): (Stage, usize), sentence: String) -> Self {
+        let (effect, location) = (effect.to_owned(), location.to_owned());
+        Self { effect, location, stage, step, sentence, asked: false, trials: Vec::new() }
+    }
+}
+
 /// How far a candidate came, in the order of the search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -45,9 +45,12 @@ impl Identification {
                 );
             }
         }
+        let mut all = combinations::all(model, &self.point);
+        let names = self.combinations.iter().map(|own| own.name.as_str());
+        all.extend(names.filter_map(|name| combinations::scaled_by_name(model, &self.point, name)));
         for own in &mut self.combinations {
             let ([Some(low), Some(high)], Some(known)) =
-                (own.ci95, combinations::named(model, &self.point, &own.name))
+                (own.ci95, all.iter().find(|one| one.name == own.name))
             else {
                 continue;
             };

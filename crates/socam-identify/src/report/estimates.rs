@@ -218,8 +218,8 @@ pub(crate) fn combinations(
         })
     };
     let formed = combinations::all(problem.model, values);
-    let unscaled = unscaled(problem, values, (uncertainty, parameters), &formed);
-    formed.into_iter().chain(unscaled).filter_map(estimate).collect()
+    let unscaled = unscaled(problem, values, parameters, &formed, estimate);
+    formed.into_iter().filter_map(estimate).chain(unscaled).collect()
 }
 
 /// Ratios and products to one parameter of others that the data determine although they determine neither alone. An inertia comes first as
@@ -227,12 +227,12 @@ pub(crate) fn combinations(
 fn unscaled(
     problem: &Problem<'_>,
     values: &[f64],
-    (uncertainty, parameters): (&Uncertainty, &[ParameterEstimate]),
+    parameters: &[ParameterEstimate],
     formed: &[Combination],
-) -> Vec<Combination> {
+    estimate: impl Fn(Combination) -> Option<CombinationEstimate>,
+) -> Vec<CombinationEstimate> {
     let model = problem.model;
     let open = |index: &usize| !parameters[*index].identifiable && values[*index] != 0.0;
-    let position = |index: usize| problem.free.iter().position(|free| *free == index);
     let is_inertia = |index: usize| model.nodes.iter().any(|node| node.inertia == Some(index));
     let (inertias, others): (Vec<usize>, Vec<usize>) =
         problem.free.iter().copied().filter(open).partition(|index| is_inertia(*index));
@@ -249,12 +249,8 @@ fn unscaled(
             }
             let each = [Scaled::Ratio, Scaled::Product]
                 .map(|how| combinations::scaled(model, values, [*index, *reference], how));
-            let is_determined = |one: &Combination| {
-                let own = one.sensitivities.iter().filter_map(|(own, by)| Some((position(*own)?, *by)));
-                uncertainty.quantile * uncertainty.std(&own.collect::<Vec<_>>())
-                    <= LARGEST_HALF_WIDTH * one.value.abs()
-            };
-            if let Some(one) = each.into_iter().find(is_determined) {
+            let determined = each.into_iter().filter_map(&estimate).find(|one| one.value.is_some());
+            if let Some(one) = determined {
                 known.push(*index);
                 found.push(one);
             }

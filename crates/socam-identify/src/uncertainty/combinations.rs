@@ -58,14 +58,13 @@ pub(crate) fn scaled(model: &Model, values: &[f64], [a, b]: [usize; 2], how: Sca
     Combination { name: expression.clone(), expression, unit, value, sensitivities }
 }
 
-/// The combination of this name.
-pub(crate) fn named(model: &Model, values: &[f64], name: &str) -> Option<Combination> {
+/// The ratio or product of this name; `None` for any other name.
+pub(crate) fn scaled_by_name(model: &Model, values: &[f64], name: &str) -> Option<Combination> {
     let pair = |sign: char, how: Scaled| {
         let (a, b) = name.split_once(sign)?;
         Some(scaled(model, values, [model.parameter(a)?, model.parameter(b)?], how))
     };
-    let fixed = all(model, values).into_iter().find(|one| one.name == name);
-    fixed.or_else(|| pair('/', Scaled::Ratio)).or_else(|| pair('*', Scaled::Product))
+    pair('/', Scaled::Ratio).or_else(|| pair('*', Scaled::Product))
 }
 
 /// Pairs of springs that act as one: a massless node between them, and no force law in either.

@@ -3,7 +3,6 @@
 use maud::{Markup, html};
 use socam_findings::{
     Diagnosis, Evidence, Proof,
-    document::CandidateFate,
     headline::{self, Headline, PlaceMark, Tone},
 };
 use socam_model::Model;
@@ -197,15 +196,13 @@ fn next(diagnosis: &Diagnosis) -> Markup {
 
 /// What became of each effect at each place in the search.
 fn candidates(diagnosis: &Diagnosis) -> Markup {
-    let mut fates: Vec<CandidateFate> = diagnosis.candidates.clone();
-    fates.sort_by_key(|fate| std::cmp::Reverse((fate.asked, fate.stage)));
     html! {
         p {
             "Every effect was a candidate at every place where it can act. Each step of the search adds the one that predicts best. "
             code { "socam-host diagnose --why EFFECT@PLACE" }
             " also fits the corrected model with a candidate, whatever the search made of it."
         }
-        (tables::candidates(&fates))
+        (tables::candidates(&diagnosis.candidates))
     }
 }
 

@@ -144,9 +144,8 @@ fn one(args: &Args, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> an
         answered(seed, number, folder, || diagnose(&model, &recordings.training, &recordings.holdout))?;
     let case: Case = folder.read(seed, number, File::Sealed)?;
     let equivalent = |finding: &Finding, index: usize| {
-        let values = finding.parameters.iter().filter_map(|own| Some((own.name.as_str(), own.value?)));
-        let values: Vec<(&str, f64)> = values.collect();
-        oracle::is_equivalent(&case, &recordings, index, (&finding.effect, &finding.location, &values))
+        let named = (finding.effect.as_str(), finding.location.as_str(), &*oracle::values(finding));
+        oracle::is_equivalent(&case, &recordings, index, named)
     };
     let mut score = Score::new(&case, (&answer, cpu_s), oracle::ask(&case, &recordings), &equivalent);
     if let (false, Ok(answer)) = (score.right, &answer) {

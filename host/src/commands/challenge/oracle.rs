@@ -102,15 +102,18 @@ pub(super) fn truth_gains(case: &Case, recordings: &Recordings, findings: &[Find
         let noise_model = noise_model(case, &full, recordings)?;
         let mut answered = told(case, &[])?;
         for finding in findings {
-            let values = finding.parameters.iter().filter_map(|own| Some((own.name.as_str(), own.value?)));
-            let values: Vec<(&str, f64)> = values.collect();
-            answered = answered.with_effect(&finding.effect, &finding.location, &values)?;
+            answered = answered.with_effect(&finding.effect, &finding.location, &values(finding))?;
         }
         let known = left(case, &full, &noise_model, recordings)?;
         let other = left(case, &answered, &noise_model, recordings)?;
         Ok(known.zip(other).map(|(known, other)| (other.total() - known.total()) / misfit(&known).max(1.0)))
     };
     answer().ok().flatten().filter(|gain| gain.is_finite())
+}
+
+/// Names and values of a finding's parameters that have one.
+pub(super) fn values(finding: &Finding) -> Vec<(&str, f64)> {
+    finding.parameters.iter().filter_map(|own| Some((own.name.as_str(), own.value?))).collect()
 }
 
 /// The base model at the true parameters, with some of the hidden effects. Their laws are those of the catalogue, and the

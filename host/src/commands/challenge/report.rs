@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde::Serialize;
+use socam_diagnose::document::CandidateFate;
 use socam_sim::challenge::CaseKind;
 
 use super::oracle::DETECTABLE_GAIN;
 use super::probability::{Bin, calibration, log_score};
 use super::rates::{Rate, as_many_by_chance};
-use super::score::{Lost, Score};
+use super::score::Score;
 use crate::table;
 
 const SCHEMA: &str = "socam.challenge/2";
@@ -138,7 +139,7 @@ impl Report {
                 score.family,
                 or_nothing(hidden)
             );
-            for Lost { effect, location, stage, sentence } in &score.lost {
+            for CandidateFate { effect, location, stage, sentence, .. } in &score.lost {
                 let _ = writeln!(text, "    {effect}@{location}: {}. {sentence}", stage.words());
             }
             if let Some(gain) = score.truth_gains {

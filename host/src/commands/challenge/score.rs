@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
-use socam_diagnose::document::{Diagnosis, Finding, Stage, UNEXPLAINED};
+use socam_diagnose::document::{CandidateFate, Diagnosis, Finding, Stage, UNEXPLAINED};
 use socam_sim::challenge::{Case, CaseKind, Drive, Hidden};
 
 use super::{background, oracle::Oracle};
@@ -53,7 +53,7 @@ pub(super) struct Score {
     pub(super) intervals: Vec<(String, bool)>,
     /// How far each hidden effect of the catalogue came that is no finding of a wrong answer.
     #[serde(default)]
-    pub(super) lost: Vec<Lost>,
+    pub(super) lost: Vec<CandidateFate>,
     /// Of a wrong answer: whitened chi-square that its effects leave on the held-out recordings, less what the hidden effects leave, in units
     /// of the latter per value. Both are fitted from the true parameters; a positive number says that the criterion had reason to prefer the
     /// truth. `None` where a fit fails, or the answer has a curve.
@@ -61,15 +61,6 @@ pub(super) struct Score {
     pub(super) truth_gains: Option<f64>,
     /// Processor time of the diagnosis, s.
     pub(super) cpu_s: Option<f64>,
-}
-
-/// A hidden effect that is no finding, and where the search lost it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Lost {
-    pub(super) effect: String,
-    pub(super) location: String,
-    pub(super) stage: Stage,
-    pub(super) sentence: String,
 }
 
 /// Whether a finding is observationally equivalent to a hidden effect, which is given by its number.
@@ -118,18 +109,16 @@ impl Score {
 }
 
 /// The hidden effects of the catalogue that are no findings.
-fn lost(case: &Case, answer: &Diagnosis) -> Vec<Lost> {
+fn lost(case: &Case, answer: &Diagnosis) -> Vec<CandidateFate> {
     let of_catalogue = case.hidden.iter().filter(|_| case.kind != CaseKind::Outside);
-    let one = |hidden: &Hidden| {
+    let fate = |hidden: &Hidden| {
         let known = answer.candidates.iter().find(|one| is_named((&one.effect, &one.location), hidden));
-        let (stage, sentence) = known.map_or_else(
-            || (Stage::NotProposed, "it was not among the candidates".to_owned()),
-            |fate| (fate.stage, fate.sentence.clone()),
-        );
-        let (effect, location) = (hidden.effect.clone(), hidden.place.clone());
-        (stage != Stage::Found).then_some(Lost { effect, location, stage, sentence })
+        known.cloned().unwrap_or_else(|| {
+            let sentence = "It was not among the candidates".to_owned();
+            CandidateFate::new(&hidden.effect, &hidden.place, (Stage::NotProposed, 1), sentence)
+        })
     };
-    of_catalogue.filter_map(one).collect()
+    of_catalogue.map(fate).filter(|fate| fate.stage != Stage::Found).collect()
 }
 
 /// Weight of a finding among its rivals.
