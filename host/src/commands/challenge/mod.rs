@@ -148,7 +148,8 @@ fn one(args: &Args, number: u64, folder: &Folder, diagnose: &Diagnose<'_>) -> an
         oracle::is_equivalent(&case, &recordings, index, named)
     };
     let mut score = Score::new(&case, (&answer, cpu_s), oracle::ask(&case, &recordings), &equivalent);
-    if let (false, Ok(answer)) = (score.right, &answer) {
+    // The catalogue has no law for what lies outside it, so that there is no truth to put in.
+    if let (false, Ok(answer), true) = (score.right, &answer, case.kind != CaseKind::Outside) {
         score.truth_gains = oracle::truth_gains(&case, &recordings, &answer.findings);
     }
     folder.write(seed, number, File::Score, &score)?;

@@ -56,7 +56,7 @@ pub(super) struct Score {
     pub(super) lost: Vec<CandidateFate>,
     /// Of a wrong answer: whitened chi-square that its effects leave on the held-out recordings, less what the hidden effects leave, in units
     /// of the latter per value. Both are fitted from the true parameters; a positive number says that the criterion had reason to prefer the
-    /// truth. `None` where a fit fails, or the answer has a curve.
+    /// truth. `None` where a fit fails, the answer has a curve, or what is hidden has no law.
     #[serde(default)]
     pub(super) truth_gains: Option<f64>,
     /// Processor time of the diagnosis, s.
