@@ -184,6 +184,7 @@ fn known_truth_comes_back_and_what_is_not_determined_is_said() {
             "{found:?}"
         );
     }
+    assert_eq!(result.input_noise_std, [("motor_speed".to_owned(), 0.0)], "the recorded speed is exact");
     let series = result.combinations.iter().find(|c| c.name == "k_series_12").unwrap();
     let truth = 71.0 * 54.4 / (71.0 + 54.4);
     assert!(series.ci95[0].unwrap() < truth && truth < series.ci95[1].unwrap(), "{series:?}");

@@ -196,7 +196,7 @@ impl<'w> ResidualAccumulator<'w> {
             scores,
             block_squares,
             innovations: self.innovations.unwrap_or_default(),
-            levels: self.level_score.map(|level_score| level_score.score),
+            levels: self.level_score.map(level_score::LevelScore::finish),
             detector: self.detector.map(OutlierDetector::finish),
         })
     }
@@ -210,10 +210,11 @@ fn follow(
     mut take: impl FnMut(&[f64], &[bool]),
 ) {
     let outputs = present.len() / samples.max(1);
+    let (mut residual, mut here) = (vec![0.0; outputs], vec![false; outputs]);
     for k in 0..samples {
-        let rows = || (0..outputs).map(|o| o * samples + k);
-        let residual: Vec<f64> = rows().map(|row| residuals[row]).collect();
-        let here: Vec<bool> = rows().map(|row| present[row]).collect();
+        for o in 0..outputs {
+            (residual[o], here[o]) = (residuals[o * samples + k], present[o * samples + k]);
+        }
         take(&residual, &here);
     }
 }

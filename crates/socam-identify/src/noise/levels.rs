@@ -31,8 +31,12 @@ const FIRST_STEPS: usize = 12;
 /// Most steps on all data.
 const MOST_STEPS: usize = 3;
 
+/// Gain of the deviance from which residuals hold evidence of noise of the inputs.
+const EVIDENT: f64 = 10.0;
+
 /// Noise levels of maximum likelihood at given parameters, from `start`. They stay below `most`; levels that the model file gives keep
-/// their values.
+/// their values. Inputs are exact where neither the first rows nor all of them hold evidence of their noise: whitening by a filter that
+/// follows the parameters costs ten times as much as a sum of squares.
 pub(crate) fn maximum_likelihood(
     problem: &Problem<'_>,
     point: &Point,
@@ -45,7 +49,37 @@ pub(crate) fn maximum_likelihood(
     let head = without_sensitivities(problem, &kept, FIRST_ROWS);
     let head_point = Point { values: point.values.clone(), nuisance: point.nuisance[..kept.len()].to_vec() };
     let levels = fisher_scoring(&head, &head_point, start, most, FIRST_STEPS)?;
-    fisher_scoring(&whole, point, levels, most, MOST_STEPS)
+    if problem.model.inputs().any(|channel| channel.noise_std.is_some_and(|std| std > 0.0)) {
+        return fisher_scoring(&whole, point, levels, most, MOST_STEPS);
+    }
+    let mut exact = exact_inputs(&head, &head_point, &levels, most)?;
+    if exact.is_some() {
+        exact = exact_inputs(&whole, point, &levels, most)?;
+    }
+    exact.map_or_else(|| fisher_scoring(&whole, point, levels, most, MOST_STEPS), Ok)
+}
+
+/// Levels with exact inputs, where the residuals are about as likely under them as under `levels`.
+fn exact_inputs(
+    problem: &Problem<'_>,
+    point: &Point,
+    levels: &NoiseLevels,
+    most: &NoiseLevels,
+) -> Result<Option<NoiseLevels>, IdentifyError> {
+    let equations = problem.model.equations(&point.values)?;
+    let Some(score) = score(problem, point, &equations, levels, &[])? else { return Ok(None) };
+    let channels = problem.model.outputs().zip(&levels.outputs).zip(&most.outputs);
+    let mut deviance = 0.0;
+    let mut outputs = Vec::new();
+    for (((channel, unit), most), squares) in channels.zip(&score.squares) {
+        let estimate = (unit * (squares / score.samples.max(1.0)).sqrt()).min(*most);
+        let std = channel.noise_std.unwrap_or(estimate);
+        let variance = (std / unit).powi(2);
+        deviance += score.samples * variance.ln() + squares / variance;
+        outputs.push(std);
+    }
+    let inputs = vec![0.0; levels.inputs.len()];
+    Ok((deviance - score.deviance < EVIDENT).then_some(NoiseLevels { outputs, inputs }))
 }
 
 /// The problem with all parameters fixed: its evaluations give residuals and the sensitivities of nuisance parameters only.
@@ -124,7 +158,7 @@ fn score(
         ..Weights::white(units.clone(), Vec::new())
     };
     let Some(results) = evaluation::run(problem, point, &weights)? else { return Ok(None) };
-    let mut sum = Score::new(sought.len());
+    let mut sum = Score::new(sought.len(), units.len());
     results.iter().filter_map(|result| result.levels.as_ref()).for_each(|score| sum.add(score));
     Ok(Some(sum))
 }
@@ -138,6 +172,7 @@ mod tests {
         let mut score = Score {
             sensitivity: nalgebra::DVector::from_vec(vec![-80.0, 5000.0]),
             information: nalgebra::DMatrix::from_row_slice(2, 2, &[99.0, 60.0, 60.0, 99.0]),
+            ..Score::new(2, 1)
         };
         score.hold_if_rising(0);
         assert!(score.step().0[0] != 0.0, "it falls");

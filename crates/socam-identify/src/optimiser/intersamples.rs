@@ -86,7 +86,7 @@ pub fn settled_inputs(model: &Model, datasets: &[Dataset], options: Options) -> 
         let values = model.values();
         let nuisance = nuisance::first(&problem, &values)?;
         let descent = fitted(&problem, Point { values, nuisance })?;
-        settled(&mut problem, descent)?;
+        settled(&mut problem, descent, false, fitted)?;
         between::state(model.inputs().map(|channel| &channel.name).zip(&problem.between), &mut stated)?;
     }
     Ok(stated)
@@ -94,8 +94,14 @@ pub fn settled_inputs(model: &Model, datasets: &[Dataset], options: Options) -> 
 
 /// The problem and its fit under the intersample behaviour that fits the recordings best. Behaviours that are stated are kept.
 ///
-/// One input changes at a time, the one that gains most. `descent` must be a fit of `problem`.
-pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Descent, IdentifyError> {
+/// One input changes at a time, the one that gains most. `descent` must be a fit of `problem` by `fit`; `is_far` says that its noise levels
+/// are not yet those of the recordings.
+pub(crate) fn settled<'a>(
+    problem: &mut Problem<'a>,
+    descent: Descent,
+    is_far: bool,
+    fit: impl Fn(&Problem<'a>, Point) -> Result<Descent, IdentifyError>,
+) -> Result<Descent, IdentifyError> {
     let mut descent = descent;
     let mut between = assumed(problem);
     for round in 0..=MOST_CHANGES {
@@ -115,7 +121,11 @@ pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Des
             let Some(rival) = rival else { continue };
             between[input] = Between {
                 kind: problem.intersample[input],
-                source: if rival.deviance > TOLD_APART { BetweenSource::Data } else { BetweenSource::Usual },
+                source: if rival.deviance > TOLD_APART || problem.intersample[input] != channel.intersample() {
+                    BetweenSource::Data
+                } else {
+                    BetweenSource::Usual
+                },
                 rival: Some(rival.kind),
                 rival_deviance: Some(rival.deviance),
             };
@@ -126,7 +136,7 @@ pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Des
         let whole = evaluation::squares(&descent.evaluated) / descent.misfit().max(1.0);
         match best {
             Some((input, channel, Alternative { kind, deviance, point: Some(point) }))
-                if deviance < -least_gain(channel, whole, false) && round < MOST_CHANGES =>
+                if deviance < -least_gain(channel, whole, is_far) && round < MOST_CHANGES =>
             {
                 let before = (problem.intersample[input], descent.iterations);
                 problem.intersample[input] = kind;
@@ -136,7 +146,7 @@ pub(crate) fn settled(problem: &mut Problem<'_>, descent: Descent) -> Result<Des
                     rival: Some(before.0),
                     rival_deviance: Some(-deviance),
                 };
-                descent = fitted(problem, point)?;
+                descent = fit(problem, point)?;
                 descent.iterations += before.1;
             }
             _ => break,
@@ -155,7 +165,7 @@ pub fn least_gain(channel: &Channel, squares: f64, is_far: bool) -> f64 {
 }
 
 /// The fit of a problem from a point: of start states and offsets alone where no parameter is free.
-fn fitted(problem: &Problem<'_>, point: Point) -> Result<Descent, IdentifyError> {
+pub(crate) fn fitted(problem: &Problem<'_>, point: Point) -> Result<Descent, IdentifyError> {
     if !problem.free.is_empty() {
         return iterated_gls(problem, point);
     }

@@ -1,5 +1,7 @@
 //! Iterated generalised least squares: descents in turn with estimates of the noise levels.
 
+use socam_model::Channel;
+
 use crate::{
     IdentifyError,
     evaluation::{self, ChannelSums, Point, Weights, channel_sums},
@@ -74,6 +76,14 @@ pub(crate) fn iterated_gls(problem: &Problem<'_>, point: Point) -> Result<Descen
     let mut descent =
         descend(problem, point, weights, COARSE_TOLERANCE, problem.options.max_iterations, first)?;
     let mut iterations = descent.iterations;
+    if problem.options.noise == Noise::Estimated && most.in_the_input() && !descent.end.is_cut_off() {
+        // Residuals of a point that is not quite a minimum look like noise of the inputs.
+        let scales = factors::scales(problem, &descent.point.values);
+        let white = Weights::white(white_levels(problem, &descent, &most), scales);
+        let most = problem.options.max_iterations;
+        descent = descend(problem, descent.point, white, TOLERANCE, most, first)?;
+        iterations += descent.iterations;
+    }
     let mut fine = false;
     let mut nearest = Nearest::of(&descent);
     for round in 1..=MOST_ROUNDS {
@@ -153,16 +163,8 @@ fn reestimated_levels(
     if let Noise::Given(given) = &problem.options.noise {
         return Ok(given.clone());
     }
-    let known: Vec<Option<f64>> = problem.model.outputs().map(|channel| channel.noise_std).collect();
-    let channels = descent.channels();
-    let most_matters = most.in_the_input();
-    let each = channels.iter().zip(&known).zip(&most.outputs);
-    let outputs = each.map(|((channel, known), most)| {
-        let most = if most_matters { *most } else { f64::INFINITY };
-        known.unwrap_or(floor(channel.rms().min(most), channel))
-    });
     let start = if descent.weights.input_std.is_empty() {
-        NoiseLevels { outputs: outputs.collect(), inputs: most.inputs.clone() }
+        NoiseLevels { outputs: white_levels(problem, descent, most), inputs: most.inputs.clone() }
     } else {
         descent.weights.levels()
     };
@@ -171,6 +173,17 @@ fn reestimated_levels(
     } else {
         Ok(start)
     }
+}
+
+/// Noise levels of the outputs as if all of the residuals were white noise.
+fn white_levels(problem: &Problem<'_>, descent: &Descent, most: &NoiseLevels) -> Vec<f64> {
+    let most_matters = most.in_the_input();
+    let channels = problem.model.outputs().zip(descent.channels()).zip(&most.outputs);
+    let level = |((output, channel), most): ((&Channel, ChannelSums), &f64)| {
+        let most = if most_matters { *most } else { f64::INFINITY };
+        output.noise_std.unwrap_or_else(|| floor(channel.rms().min(most), &channel))
+    };
+    channels.map(level).collect()
 }
 
 /// Whether two sets of levels differ by less than a relative tolerance.

@@ -54,11 +54,11 @@ const MOST_CLEANINGS: usize = 3;
 pub fn output_error(problem: &Problem<'_>) -> Result<Identification, IdentifyError> {
     let clock = report::CpuClock::start();
     let mut starts = Starts::default();
-    let start = best_start(problem, &mut starts)?;
     let mut cleaned = problem.clone();
+    let start = best_start(&mut cleaned, &mut starts)?;
     let start = if problem.free.is_empty() { with_nuisance(problem, &start.values)?.point } else { start };
     let descent = iterated_gls(&cleaned, start)?;
-    let mut descent = intersamples::settled(&mut cleaned, descent)?;
+    let mut descent = intersamples::settled(&mut cleaned, descent, false, intersamples::fitted)?;
     for _ in 0..MOST_CLEANINGS {
         if descent.end.is_cut_off() || !outliers::leave_out(&mut cleaned, &descent.point, &descent.weights)? {
             break;

@@ -16,7 +16,7 @@ use crate::{
         descent::{COARSE_TOLERANCE, Descent, End, descend},
         factors::scales,
         noise_estimation::first_weights,
-        nuisance,
+        intersamples, nuisance,
     },
     problem::{Noise, Problem},
     progress::Stage,
@@ -27,6 +27,9 @@ const PLAUSIBLE: f64 = 1.5;
 
 /// Samples of each segment to which starts are fitted.
 const START_ROWS: u64 = 4000;
+
+/// Most iterations of the descent from a start.
+const ITERATIONS: usize = 15;
 
 /// Number of segments to which starts are fitted.
 const START_SEGMENTS: usize = 4;
@@ -41,19 +44,20 @@ pub(crate) struct Starts {
 }
 
 /// The best of the file's values and random ones, by the cost of a coarse descent on a part of the data. Where the file's values lead to a
-/// fit that leaves only noise, no other start is tried. The starts are noted in `starts`.
-pub(crate) fn best_start(problem: &Problem<'_>, starts: &mut Starts) -> Result<Point, IdentifyError> {
+/// fit that leaves only noise, no other start is tried. The starts are noted in `starts`, and the behaviour of the inputs between their
+/// samples that fits the part from the file's values becomes that of the problem.
+pub(crate) fn best_start(problem: &mut Problem<'_>, starts: &mut Starts) -> Result<Point, IdentifyError> {
     let first = problem.model.values();
-    let with_nuisance = |values: Vec<f64>| -> Result<Point, IdentifyError> {
+    let with_nuisance = |problem: &Problem<'_>, values: Vec<f64>| -> Result<Point, IdentifyError> {
         let nuisance = nuisance::first(problem, &values)?;
         Ok(Point { values, nuisance })
     };
     if problem.options.starts <= 1 || problem.free.is_empty() {
-        return with_nuisance(first);
+        return with_nuisance(problem, first);
     }
     let uninterrupted = |index: &usize| problem.segments[*index].starts_uninterrupted();
     let runs: Vec<usize> = (0..problem.segments.len()).filter(uninterrupted).take(START_SEGMENTS).collect();
-    let short = Problem::of_segments(
+    let mut short = Problem::of_segments(
         (problem.model, problem.datasets),
         problem.free.clone(),
         runs.iter().map(|index| problem.segments[*index].head(START_ROWS)).collect(),
@@ -66,22 +70,29 @@ pub(crate) fn best_start(problem: &Problem<'_>, starts: &mut Starts) -> Result<P
     let base = Point { values: first.clone(), nuisance: nuisance::first(&short, &first)? };
     let weights = first_weights(&short, &base)?;
     let not_tried = AtomicUsize::new(0);
+    let fit = |short: &Problem<'_>, index: usize, point: Point| {
+        let stage = Stage::Start { number: index + 1, of: problem.options.starts };
+        let weights = Weights { scales: scales(short, &point.values), ..weights.clone() };
+        descend(short, point, weights, COARSE_TOLERANCE, ITERATIONS, stage)
+    };
+    let mut own = fit(&short, 0, base).ok();
+    if let Some(found) = own {
+        own = intersamples::settled(&mut short, found, true, |short, point| fit(short, 0, point)).ok();
+    }
     let one = |(index, values): (usize, Vec<f64>)| {
-        if index > 0 && problem.options.progress.stops() {
+        if problem.options.progress.stops() {
             not_tried.fetch_add(1, Ordering::Relaxed);
             return None;
         }
-        let stage = Stage::Start { number: index + 1, of: problem.options.starts };
         let nuisance = nuisance::first(&short, &values).ok()?;
-        let weights = Weights { scales: scales(&short, &values), ..weights.clone() };
-        descend(&short, Point { values, nuisance }, weights, COARSE_TOLERANCE, 15, stage).ok()
+        fit(&short, index, Point { values, nuisance }).ok()
     };
-    let mut candidates = candidates.enumerate();
-    let own = candidates.next().and_then(one);
+    let candidates = candidates.enumerate().skip(1);
     let rest: Vec<_> = match &own {
         Some(own) if leaves_noise(&short, own)? => Vec::new(),
         _ => candidates.collect::<Vec<_>>().into_par_iter().map(one).collect(),
     };
+    problem.intersample.clone_from(&short.intersample);
     starts.not_tried = not_tried.into_inner();
     let mut best: Option<(f64, Point)> = None;
     for descent in std::iter::once(own).chain(rest).flatten() {
@@ -90,8 +101,8 @@ pub(crate) fn best_start(problem: &Problem<'_>, starts: &mut Starts) -> Result<P
             best = Some((descent.cost, descent.point));
         }
     }
-    let Some((_, best)) = best else { return with_nuisance(first) };
-    let mut point = with_nuisance(best.values)?;
+    let Some((_, best)) = best else { return with_nuisance(problem, first) };
+    let mut point = with_nuisance(problem, best.values)?;
     // Start states belong to the parameters with which they were fitted.
     runs.into_iter().zip(best.nuisance).for_each(|(index, own)| point.nuisance[index] = own);
     Ok(point)
