@@ -121,7 +121,8 @@ pub(crate) fn settled<'a>(
             let Some(rival) = rival else { continue };
             between[input] = Between {
                 kind: problem.intersample[input],
-                source: if rival.deviance > TOLD_APART || problem.intersample[input] != channel.intersample() {
+                source: if rival.deviance > TOLD_APART || problem.intersample[input] != channel.intersample()
+                {
                     BetweenSource::Data
                 } else {
                     BetweenSource::Usual

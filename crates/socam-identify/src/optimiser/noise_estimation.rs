@@ -76,7 +76,7 @@ pub(crate) fn iterated_gls(problem: &Problem<'_>, point: Point) -> Result<Descen
     let mut descent =
         descend(problem, point, weights, COARSE_TOLERANCE, problem.options.max_iterations, first)?;
     let mut iterations = descent.iterations;
-    if problem.options.noise == Noise::Estimated && most.in_the_input() && !descent.end.is_cut_off() {
+    if most.in_the_input() && may_be_noise(problem, &descent, &most) && !descent.end.is_cut_off() {
         // Residuals of a point that is not quite a minimum look like noise of the inputs.
         let scales = factors::scales(problem, &descent.point.values);
         let white = Weights::white(white_levels(problem, &descent, &most), scales);
@@ -173,6 +173,12 @@ fn reestimated_levels(
     } else {
         Ok(start)
     }
+}
+
+/// Whether noise levels are estimated and each output's residuals lie below the largest noise that it can have.
+fn may_be_noise(problem: &Problem<'_>, descent: &Descent, most: &NoiseLevels) -> bool {
+    let mut channels = descent.channels().into_iter().zip(&most.outputs);
+    problem.options.noise == Noise::Estimated && channels.all(|(channel, most)| channel.rms() <= *most)
 }
 
 /// Noise levels of the outputs as if all of the residuals were white noise.

@@ -15,8 +15,9 @@ use crate::{
     optimiser::{
         descent::{COARSE_TOLERANCE, Descent, End, descend},
         factors::scales,
+        intersamples,
         noise_estimation::first_weights,
-        intersamples, nuisance,
+        nuisance,
     },
     problem::{Noise, Problem},
     progress::Stage,
