@@ -92,10 +92,12 @@ pub enum RecordingError {
         samples: u64,
     },
     /// Nothing recorded.
-    #[error("`{}` holds no samples; record again, or widen the selection after `@`", .path.display())]
+    #[error("`{}` holds no samples{}", .path.display(), if *.is_whole { "; record again" } else { " in this part; widen the selection after `@` (`socam-host info` prints the first and last times)" })]
     NoSamples {
         /// The file.
         path: PathBuf,
+        /// Whether all of it was asked for.
+        is_whole: bool,
     },
     /// A log without a sample that can be read, because it is damaged.
     #[error("`{}` holds no sample that can be read: {damage}; copy it again from its source", .path.display())]

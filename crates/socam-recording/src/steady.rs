@@ -65,7 +65,7 @@ impl Steady {
             rows.push(row(&lines, &columns).map_err(|problem| lines.error(problem))?);
         }
         if rows.is_empty() {
-            return Err(RecordingError::NoSamples { path: path.into() });
+            return Err(RecordingError::NoSamples { path: path.into(), is_whole: true });
         }
         Ok(Self {
             name: path.display().to_string(),

@@ -9,7 +9,7 @@ use super::tally::Tally;
 use crate::calibration_file::Calibration;
 use crate::error::{RecordingError, Result};
 use crate::format::{self, Format};
-use crate::selection::Selection;
+use crate::selection::{Selection, Span};
 use crate::statistics::Running;
 use crate::table::Table;
 use crate::{Channel, legacy};
@@ -169,7 +169,10 @@ impl Dataset {
         tally.append(&table);
         let (segments, sample_time_s) = tally.finder.finish();
         if segments.is_empty() {
-            return Err(RecordingError::NoSamples { path: selection.path.clone() });
+            return Err(RecordingError::NoSamples {
+                path: selection.path.clone(),
+                is_whole: selection.span == Span::ALL,
+            });
         }
         Ok(Self {
             name,

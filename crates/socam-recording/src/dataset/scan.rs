@@ -11,7 +11,7 @@ use crate::error::{RecordingError, Result};
 use crate::format::Format;
 use crate::part::{EndOfRows, Part};
 use crate::rows::{Layout, Scan};
-use crate::selection::Selection;
+use crate::selection::{Selection, Span};
 use crate::table::BLOCK_ROWS;
 use crate::warning;
 
@@ -45,7 +45,7 @@ impl Dataset {
             let path = selection.path.clone();
             return Err(match damage {
                 Some(damage) => RecordingError::AllDamaged { path, damage },
-                None => RecordingError::NoSamples { path },
+                None => RecordingError::NoSamples { path, is_whole: selection.span == Span::ALL },
             });
         }
         Self::assemble(first, format, &all_channels, scan.finish())
