@@ -22,7 +22,7 @@ impl Path {
             if context.stops() {
                 break;
             }
-            let Some((kind, fitted)) = self.better_kind(context, input)? else { continue };
+            let Some((kind, fitted)) = self.better_kind(context, &self.last, input)? else { continue };
             let Some(base) = with_kind(&self.base.model, input, kind) else { continue };
             let from = Some((&self.base.model, &self.base.at));
             let Some(base) = context.fitted(&base, &self.base.at.values, from, &self.noise)? else {
@@ -43,30 +43,48 @@ impl Path {
         Ok(())
     }
 
-    /// The behaviour of an input under which the last model fits the recordings better than under its present one, with that fit.
+    /// A sentence about each input whose stated behaviour fits the model as given worse than another one: findings may then stand for it.
+    pub(crate) fn stated_otherwise(&self, context: &Context<'_>) -> Result<Vec<String>, IdentifyError> {
+        let mut sentences = Vec::new();
+        for channel in self.base.model.inputs() {
+            let (name, stated) = (&channel.name, channel.intersample().name());
+            if context.stops() || context.open_inputs.contains(name) {
+                continue;
+            }
+            let Some((kind, fitted)) = self.better_kind(context, &self.base, name)? else { continue };
+            let (kind, lower) = (kind.name(), self.base.deviance() - fitted.deviance());
+            sentences.push(format!(
+                "`{name}` is stated to be {stated} between its samples, but the model as given fits better with {kind} (chi-square lower by {lower:.0}); effects that were found may stand for that: leave it open (--between {name}=auto)"
+            ));
+        }
+        Ok(sentences)
+    }
+
+    /// The behaviour of an input under which a fitted model fits the recordings better than under its present one, with that fit.
     fn better_kind(
         &self,
         context: &Context<'_>,
+        last: &FittedModel,
         input: &str,
     ) -> Result<Option<(Intersample, FittedModel)>, IdentifyError> {
-        let Some(channel) = self.last.model.inputs().find(|channel| channel.name == input) else {
+        let Some(channel) = last.model.inputs().find(|channel| channel.name == input) else {
             return Ok(None);
         };
         let is_far = self.noise.excess() > DISPLACED;
-        let least = least_intersample_gain(channel, self.last.deviance(), is_far);
+        let least = least_intersample_gain(channel, last.deviance(), is_far);
         let mut best: Option<(Intersample, Model, comparison::Evaluation)> = None;
         for kind in other_intersamples(channel, channel.intersample()) {
-            let Some(model) = with_kind(&self.last.model, input, kind) else { continue };
+            let Some(model) = with_kind(&last.model, input, kind) else { continue };
             let problem = context.tentative(&model)?;
-            let mut at = Some(self.last.at.clone());
+            let mut at = Some(last.at.clone());
             for iterations in ITERATIONS {
-                let Some(from) = at.take_if(|at| at.total() < self.last.deviance() + WORTH_CONTINUING) else {
+                let Some(from) = at.take_if(|at| at.total() < last.deviance() + WORTH_CONTINUING) else {
                     break;
                 };
                 let round = (comparison::COARSE, iterations);
                 at = comparison::descend(&problem, &self.noise, &from.values, Some((&model, &from)), round)?;
             }
-            let below = best.as_ref().map_or(self.last.deviance() - least, |(.., best)| best.total());
+            let below = best.as_ref().map_or(last.deviance() - least, |(.., best)| best.total());
             if let Some(at) = at.filter(|at| at.total() < below) {
                 best = Some((kind, model, at));
             }

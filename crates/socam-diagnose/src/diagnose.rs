@@ -132,6 +132,7 @@ pub fn diagnose(
     let mut diagnosis = answer::document(&inputs, cpu_s)?;
     diagnosis.overlay = pictures::overlay(model, &pairs, &floor);
     notes.extend(taken_otherwise(file, corrected));
+    notes.extend(path.stated_otherwise(&context)?);
     notes.extend(outliers.iter().map(LeftOut::sentence));
     diagnosis.warnings.retain(|warning| !notes.contains(warning));
     diagnosis.warnings.splice(0..0, notes);
