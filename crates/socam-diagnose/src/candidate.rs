@@ -1,7 +1,7 @@
 //! A candidate: one effect of the catalogue at one place of a model, with the values from which a fit may start.
 
 use socam_model::{
-    Model,
+    Model, ModelError, Motion,
     effects::{Coordinate, Effect, FittedValues, Form, Linearisation, Rig, Values},
 };
 
@@ -24,6 +24,8 @@ pub(crate) struct Candidate {
     pub(crate) linearised_at: f64,
     /// Whether a fit starts at a usual amplitude, with all other parameters at the file's values.
     pub(crate) begins_large: bool,
+    /// Largest speed at its place, SI; zero where it is not known.
+    pub(crate) speed: f64,
 }
 
 impl Candidate {
@@ -31,7 +33,25 @@ impl Candidate {
         let amplitudes = effect.amplitude.parameters;
         let first = values.iter().find(|(name, _)| amplitudes.first() == Some(name));
         let linearised_at = first.map_or(0.0, |(_, value)| *value);
-        Self { effect, place: place.to_owned(), values, amplitudes, linearised_at, begins_large: false }
+        Self {
+            effect,
+            place: place.to_owned(),
+            values,
+            amplitudes,
+            linearised_at,
+            begins_large: false,
+            speed: 0.0,
+        }
+    }
+
+    /// The model with this effect.
+    ///
+    /// # Errors
+    /// Where it cannot act at that place.
+    pub(crate) fn added_to(&self, model: &Model) -> Result<Model, ModelError> {
+        let mut values = self.values.clone();
+        values.extend(self.effect.narrowed(self.speed, model.motion == Motion::Rotation));
+        model.with_effect(self.effect.id, &self.place, &values)
     }
 
     /// Whether the effect is a wave of unknown phase. The score test then has two amplitudes, a quarter of a period apart.

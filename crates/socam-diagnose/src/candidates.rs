@@ -23,7 +23,9 @@ pub(crate) fn all(model: &Model, scales: &Scales) -> Vec<Candidate> {
     for effect in effects::screened().filter(|effect| turns || !effect.is_by_turn()) {
         for place in effect.places_in(model) {
             let starts = (effect.starts)(&scales.rig, &place);
-            found.extend(starts.into_iter().map(|start| Candidate::new(effect, &place, start)));
+            let speed = scales.rig.speed_at(effect.acts_at, &place);
+            let with = |start| Candidate { speed, ..Candidate::new(effect, &place, start) };
+            found.extend(starts.into_iter().map(with));
         }
     }
     found

@@ -77,6 +77,7 @@ mod tests {
             amplitudes: &[],
             linearised_at: 0.0,
             begins_large: false,
+            speed: 0.0,
         };
         let all = equivalents(&model, &own, Some(amplitude), 1e-3);
         all.into_iter().map(|other| (other.effect.id, other.place)).collect()

@@ -7,7 +7,7 @@ use crate::candidate::Candidate;
 /// The model with a candidate added at its values; `None` where the effect cannot act at that place. An order that is a whole number gets
 /// a prior there, so that a fit moves it only where the data require it.
 pub(crate) fn extended(model: &Model, candidate: &Candidate) -> Option<Model> {
-    let mut grown = model.with_effect(candidate.effect.id, &candidate.place, &candidate.values).ok()?;
+    let mut grown = candidate.added_to(model).ok()?;
     let rig = Rig::of_model(model, &model.values());
     let used = grown.effects.last()?;
     let mut held = Vec::new();

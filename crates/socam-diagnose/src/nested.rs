@@ -11,7 +11,9 @@ use crate::{candidate::Candidate, selection::Path};
 pub(crate) fn refined_laws(candidate: &Candidate, model: &Model) -> Vec<Vec<Candidate>> {
     let laws = REFINED.iter().map(|effect| {
         let values = effect.given().map(|own| (own.name, candidate.value(own.name))).collect();
-        Candidate::new(effect, &candidate.place, values).in_place_of(candidate, &candidate.values, model)
+        let refined =
+            Candidate { speed: candidate.speed, ..Candidate::new(effect, &candidate.place, values) };
+        refined.in_place_of(candidate, &candidate.values, model)
     });
     laws.filter(|starts| !starts.is_empty()).collect()
 }
@@ -47,7 +49,7 @@ pub(crate) fn simpler_laws(path: &Path, term: usize) -> Vec<Candidate> {
         let value = |name: &str| fitted.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
         let values: Option<Values> =
             effect.given().map(|given| Some((given.name, value(given.name)?))).collect();
-        Some(Candidate::new(effect, &own.place, values?))
+        Some(Candidate { speed: own.speed, ..Candidate::new(effect, &own.place, values?) })
     });
     let mut simpler: Vec<Candidate> = each.collect();
     simpler.sort_by_key(|law| law.values.len());

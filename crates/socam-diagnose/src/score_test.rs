@@ -248,7 +248,7 @@ fn with_batch(model: &Model, batch: &[&Candidate]) -> Result<(Model, Vec<Vec<usi
         let phases: &[f64] = if candidate.is_wave() { &[0.0, std::f64::consts::FRAC_PI_2] } else { &[0.0] };
         for phase in phases {
             let shifted = candidate.with("phase", *phase);
-            grown = grown.with_effect(shifted.effect.id, &shifted.place, &shifted.values)?;
+            grown = shifted.added_to(&grown)?;
             own.extend(amplitude_names(&grown, candidate));
         }
         names.push(own);

@@ -176,13 +176,17 @@ fn add_effect(
     let known = effects::find_with(effect, values.iter().map(|(name, _)| *name));
     let mut used = InlineTable::new();
     for (name, number) in values {
-        let kind = known.and_then(|known| known.parameters.iter().find(|p| p.name == *name)).map(|p| p.kind);
-        let unit = kind.map_or("1", |kind| model.unit_at(kind, place));
+        let own = known.and_then(|known| known.parameters.iter().find(|p| p.name == *name));
+        let unit = own.map_or("1", |own| model.unit_at(own.kind, place));
         let full = free_name(&document, &format!("{place}_{effect}_{name}"));
         let mut entry = InlineTable::new();
         entry.insert("value", (*number).into());
         entry.insert("unit", unit.into());
         entry.insert("source", "diagnosis".into());
+        if own.is_some_and(|own| own.default.is_some()) {
+            // Fixed as its default is: a width of the law's shape, which no recording determines.
+            entry.insert("fixed", true.into());
+        }
         document["parameters"][&full] = value(entry);
         used.insert(*name, full.into());
     }

@@ -83,6 +83,9 @@ pub struct Effect {
     pub experiment: Experiment,
 }
 
+/// Largest speeds of a place, rad/s (m/s), below which the default speeds of transition are more than a hundredth of them.
+const SLOW: (f64, f64) = (5.0, 0.2);
+
 impl Effect {
     /// An effect outside the catalogue: a law without amplitude, starts, priors or texts.
     ///
@@ -148,6 +151,29 @@ impl Effect {
     /// Parameters that a file must give.
     pub fn given(&self) -> impl Iterator<Item = &'static EffectParameter> {
         self.parameters.iter().filter(|own| own.default.is_none())
+    }
+
+    /// Values of parameters whose default is too wide for a place where the largest speed is `speed`, rad/s (m/s): speeds of transition of a
+    /// friction law, which are the same share of all slower speeds. Empty where the defaults do.
+    ///
+    /// ```
+    /// use socam_model::effects;
+    ///
+    /// let friction = effects::find("coulomb_friction").expect("an effect of the catalogue");
+    /// assert!(friction.narrowed(20.0, true).is_empty());
+    /// assert_eq!(friction.narrowed(5e-3, true), [("transition_speed", 5e-5)]);
+    /// ```
+    pub fn narrowed(&self, speed: f64, rotational: bool) -> Values {
+        let usual = if rotational { SLOW.0 } else { SLOW.1 };
+        if !(speed > 0.0 && speed < usual) {
+            return Values::new();
+        }
+        let speeds = self.parameters.iter().filter(|own| own.kind == QuantityKind::Speed);
+        let each = speeds.filter_map(|own| Some((own.name, own.default?)));
+        each.map(|(name, (turning, sliding))| {
+            (name, speed / usual * if rotational { turning } else { sliding })
+        })
+        .collect()
     }
 
     /// Whether it has a phase parameter. A wave of unknown phase is the sum of a sine and a cosine, each with its own amplitude.

@@ -4,7 +4,7 @@ mod elements;
 
 pub use elements::{RigBearing, RigChannel, RigGear, RigNode, RigShaft, RigSpring};
 
-use super::places::is_part;
+use super::places::{ActsAt, is_part};
 use crate::{Model, Motion, Role};
 
 /// Values of an effect's parameters: name and SI value.
@@ -160,6 +160,20 @@ impl Rig {
         let gear = gear.unwrap_or(RigGear { ratio: 1.0, slow: usize::MAX, ..RigGear::default() });
         let node = self.nodes.get(gear.slow).cloned().unwrap_or_default();
         (gear, node)
+    }
+
+    /// Largest speed where an effect acts, rad/s (m/s): that of its node, of the node of its bearing or of the slow side of its gear. At any
+    /// other place the largest speed of all nodes.
+    #[must_use]
+    pub fn speed_at(&self, acts_at: ActsAt, place: &str) -> f64 {
+        match acts_at {
+            ActsAt::Node => self.node(place).speed,
+            ActsAt::Bearing => self.bearing(place).1.speed,
+            ActsAt::Gear => self.gear(place).1.speed,
+            ActsAt::Spring | ActsAt::Shaft | ActsAt::Channel => {
+                self.nodes.iter().map(|node| node.speed).fold(0.0, f64::max)
+            }
+        }
     }
 
     /// A rigid shaft by name; infinite stiffness beside it for an unknown name.

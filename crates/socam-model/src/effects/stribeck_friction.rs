@@ -40,7 +40,7 @@ pub(super) const EFFECT: Effect = Effect {
             vec![
                 ("torque", 0.0),
                 ("static_torque", 0.0),
-                ("stribeck_speed", (share * speed).max(LEAST_SPEED)),
+                ("stribeck_speed", (share * speed).max(least_speed(speed))),
             ]
         };
         [0.02, 0.06, 0.2].map(start).to_vec()
@@ -55,7 +55,7 @@ pub(super) const EFFECT: Effect = Effect {
                 "stribeck_speed",
                 Prior::log_normal(
                     [0.05 * node.speed, 5.0],
-                    (LEAST_SPEED, node.speed),
+                    (least_speed(node.speed), node.speed),
                     "the fall of friction is seen only where it lies between standstill and the largest speed",
                 ),
             ),
@@ -88,8 +88,13 @@ pub(super) const EFFECT: Effect = Effect {
     experiment: experiment::THROUGH_STANDSTILL,
 };
 
-/// Least Stribeck speed, rad/s (m/s).
+/// Least Stribeck speed, rad/s (m/s), and as a share of the largest speed of a slower bearing.
 const LEAST_SPEED: f64 = 1e-3;
+const LEAST_SHARE: f64 = 5e-3;
+
+fn least_speed(largest: f64) -> f64 {
+    if largest > 0.0 { LEAST_SPEED.min(LEAST_SHARE * largest) } else { LEAST_SPEED }
+}
 
 fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
     let (sign, bend, by_width) = shape::sign(law_inputs[0], p[3]);
