@@ -89,7 +89,9 @@ pub use inverse_dynamics::{force_error_percent, inverse_dynamics};
 pub use noise::innovations_filter::NoiseLevels;
 pub use optimiser::{
     descent::End,
-    intersamples::{least_gain as least_intersample_gain, others as other_intersamples, settled_inputs},
+    intersamples::{
+        is_motion, least_gain as least_intersample_gain, others as other_intersamples, settled_inputs,
+    },
     nuisance::{Local, start_states},
     output_error::{at_minimum, evaluate, output_error},
 };

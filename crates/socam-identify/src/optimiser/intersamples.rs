@@ -16,6 +16,7 @@ use crate::{
         factors,
         noise_estimation::{first_weights, iterated_gls},
         nuisance,
+        starts::leaves_noise,
         step::{constrained_step, predicted_gain},
     },
     problem::sample_times,
@@ -104,6 +105,8 @@ pub(crate) fn settled<'a>(
 ) -> Result<Descent, IdentifyError> {
     let mut descent = descent;
     let mut between = assumed(problem);
+    // A motion that jumps at its samples is believed only where it leaves nothing but noise.
+    let mut refused = Vec::new();
     for round in 0..=MOST_CHANGES {
         if descent.end.is_cut_off() {
             break;
@@ -114,7 +117,8 @@ pub(crate) fn settled<'a>(
                 continue;
             }
             let mut rival: Option<Alternative> = None;
-            for other in others(channel, problem.intersample[input]) {
+            let possible = |other: &Intersample| !refused.contains(&(input, *other));
+            for other in others(channel, problem.intersample[input]).filter(possible) {
                 let tried = Alternative::new(problem, &descent, (input, other), CLEARLY * TOLD_APART)?;
                 rival = [rival, tried].into_iter().flatten().min_by(|a, b| a.deviance.total_cmp(&b.deviance));
             }
@@ -135,19 +139,26 @@ pub(crate) fn settled<'a>(
             }
         }
         let whole = evaluation::squares(&descent.evaluated) / descent.misfit().max(1.0);
+        let is_far = is_far || !leaves_noise(problem, &descent)?;
         match best {
             Some((input, channel, Alternative { kind, deviance, point: Some(point) }))
                 if deviance < -least_gain(channel, whole, is_far) && round < MOST_CHANGES =>
             {
                 let before = (problem.intersample[input], descent.iterations);
                 problem.intersample[input] = kind;
+                let found = fit(problem, point)?;
+                if kind == Intersample::Hold && is_motion(channel) && !leaves_noise(problem, &found)? {
+                    problem.intersample[input] = before.0;
+                    refused.push((input, kind));
+                    continue;
+                }
+                descent = found;
                 between[input] = Between {
                     kind,
                     source: BetweenSource::Data,
                     rival: Some(before.0),
                     rival_deviance: Some(-deviance),
                 };
-                descent = fit(problem, point)?;
                 descent.iterations += before.1;
             }
             _ => break,
@@ -161,8 +172,13 @@ pub(crate) fn settled<'a>(
 /// the misfit, `is_far` whether physics is known to be missing.
 #[must_use]
 pub fn least_gain(channel: &Channel, squares: f64, is_far: bool) -> f64 {
-    let is_motion = Intersample::of(channel.quantity, channel.transform) == Intersample::BandLimited;
-    if is_far || is_motion { TOLD_APART.max(LEAST_SHARE * squares) } else { TOLD_APART }
+    if is_far || is_motion(channel) { TOLD_APART.max(LEAST_SHARE * squares) } else { TOLD_APART }
+}
+
+/// Whether a channel is a motion, which inertia makes smooth between its samples.
+#[must_use]
+pub fn is_motion(channel: &Channel) -> bool {
+    Intersample::of(channel.quantity, channel.transform) == Intersample::BandLimited
 }
 
 /// The fit of a problem from a point: of start states and offsets alone where no parameter is free.

@@ -45,8 +45,8 @@ pub(crate) struct Starts {
 }
 
 /// The best of the file's values and random ones, by the cost of a coarse descent on a part of the data. Where the file's values lead to a
-/// fit that leaves only noise, no other start is tried. The starts are noted in `starts`, and the behaviour of the inputs between their
-/// samples that fits the part from the file's values becomes that of the problem.
+/// fit that leaves only noise, no other start is tried. The starts are noted in `starts`. The behaviour of the inputs between their samples that
+/// leads to such a fit becomes that of the problem.
 pub(crate) fn best_start(problem: &mut Problem<'_>, starts: &mut Starts) -> Result<Point, IdentifyError> {
     let first = problem.model.values();
     let with_nuisance = |problem: &Problem<'_>, values: Vec<f64>| -> Result<Point, IdentifyError> {
@@ -77,8 +77,15 @@ pub(crate) fn best_start(problem: &mut Problem<'_>, starts: &mut Starts) -> Resu
         descend(short, point, weights, COARSE_TOLERANCE, ITERATIONS, stage)
     };
     let mut own = fit(&short, 0, base).ok();
-    if let Some(found) = own {
-        own = intersamples::settled(&mut short, found, true, |short, point| fit(short, 0, point)).ok();
+    let mut is_enough = own.as_ref().map_or(Ok(false), |own| leaves_noise(&short, own))?;
+    if let Some(found) = &own {
+        let mut other = short.clone();
+        let again = fit(&other, 0, found.point.clone())?;
+        let settled = intersamples::settled(&mut other, again, true, |short, point| fit(short, 0, point))?;
+        // Far from the data a wrong behaviour between samples may gain by chance.
+        if leaves_noise(&other, &settled)? {
+            (own, short, is_enough) = (Some(settled), other, true);
+        }
     }
     let one = |(index, values): (usize, Vec<f64>)| {
         if problem.options.progress.stops() {
@@ -89,9 +96,10 @@ pub(crate) fn best_start(problem: &mut Problem<'_>, starts: &mut Starts) -> Resu
         fit(&short, index, Point { values, nuisance }).ok()
     };
     let candidates = candidates.enumerate().skip(1);
-    let rest: Vec<_> = match &own {
-        Some(own) if leaves_noise(&short, own)? => Vec::new(),
-        _ => candidates.collect::<Vec<_>>().into_par_iter().map(one).collect(),
+    let rest: Vec<_> = if is_enough {
+        Vec::new()
+    } else {
+        candidates.collect::<Vec<_>>().into_par_iter().map(one).collect()
     };
     problem.intersample.clone_from(&short.intersample);
     starts.not_tried = not_tried.into_inner();
@@ -110,7 +118,7 @@ pub(crate) fn best_start(problem: &mut Problem<'_>, starts: &mut Starts) -> Resu
 }
 
 /// Whether a descent converged to a fit whose residuals can be noise in every channel.
-fn leaves_noise(problem: &Problem<'_>, descent: &Descent) -> Result<bool, IdentifyError> {
+pub(crate) fn leaves_noise(problem: &Problem<'_>, descent: &Descent) -> Result<bool, IdentifyError> {
     let most = match &problem.options.noise {
         Noise::Given(given) => given.outputs.iter().map(|std| PLAUSIBLE * std).collect(),
         Noise::Estimated => {

@@ -83,8 +83,10 @@ pub struct Effect {
     pub experiment: Experiment,
 }
 
-/// Largest speeds of a place, rad/s (m/s), below which the default speeds of transition are more than a hundredth of them.
-const SLOW: (f64, f64) = (5.0, 0.2);
+/// Largest speeds of a place, rad/s (m/s), below which the default speeds of transition are more than a 25th of them.
+const SLOW: (f64, f64) = (1.25, 0.05);
+/// Multiple of these speeds of which the defaults are a hundredth.
+const NARROW: f64 = 4.0;
 
 impl Effect {
     /// An effect outside the catalogue: a law without amplitude, starts, priors or texts.
@@ -154,7 +156,7 @@ impl Effect {
     }
 
     /// Values of parameters whose default is too wide for a place where the largest speed is `speed`, rad/s (m/s): speeds of transition of a
-    /// friction law, which are the same share of all slower speeds. Empty where the defaults do.
+    /// friction law, a hundredth of the largest speed. Empty where the defaults do.
     ///
     /// ```
     /// use socam_model::effects;
@@ -171,7 +173,7 @@ impl Effect {
         let speeds = self.parameters.iter().filter(|own| own.kind == QuantityKind::Speed);
         let each = speeds.filter_map(|own| Some((own.name, own.default?)));
         each.map(|(name, (turning, sliding))| {
-            (name, speed / usual * if rotational { turning } else { sliding })
+            (name, speed / (NARROW * usual) * if rotational { turning } else { sliding })
         })
         .collect()
     }
