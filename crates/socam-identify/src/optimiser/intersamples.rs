@@ -125,12 +125,7 @@ pub(crate) fn settled<'a>(
             let Some(rival) = rival else { continue };
             between[input] = Between {
                 kind: problem.intersample[input],
-                source: if rival.deviance > TOLD_APART || problem.intersample[input] != channel.intersample()
-                {
-                    BetweenSource::Data
-                } else {
-                    BetweenSource::Usual
-                },
+                source: if rival.deviance > TOLD_APART { BetweenSource::Data } else { BetweenSource::Usual },
                 rival: Some(rival.kind),
                 rival_deviance: Some(rival.deviance),
             };
@@ -139,7 +134,6 @@ pub(crate) fn settled<'a>(
             }
         }
         let whole = evaluation::squares(&descent.evaluated) / descent.misfit().max(1.0);
-        let is_far = is_far || !leaves_noise(problem, &descent)?;
         match best {
             Some((input, channel, Alternative { kind, deviance, point: Some(point) }))
                 if deviance < -least_gain(channel, whole, is_far) && round < MOST_CHANGES =>
