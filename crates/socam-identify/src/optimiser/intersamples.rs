@@ -14,9 +14,8 @@ use crate::{
     optimiser::{
         descent::{self, Descent},
         factors,
-        noise_estimation::{first_weights, iterated_gls},
+        noise_estimation::{first_weights, iterated_gls, leaves_noise},
         nuisance,
-        starts::leaves_noise,
         step::{constrained_step, predicted_gain},
     },
     problem::sample_times,

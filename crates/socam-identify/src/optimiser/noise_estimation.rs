@@ -7,7 +7,7 @@ use crate::{
     evaluation::{self, ChannelSums, Point, Weights, channel_sums},
     noise::{innovations_filter::NoiseLevels, input_noise, levels, prewhitening},
     optimiser::{
-        descent::{COARSE_TOLERANCE, Descent, TOLERANCE, descend},
+        descent::{COARSE_TOLERANCE, Descent, End, TOLERANCE, descend},
         factors,
     },
     problem::{Noise, Problem},
@@ -24,6 +24,9 @@ const NOISE_NEAR: f64 = 0.1;
 /// may well cost some: an axis with nothing that holds it integrates the noise of its force, and fits whose free run is three times further off
 /// are nearer to its published parameters (EMPS).
 const LEFT_THE_DATA: f64 = 16.0;
+
+/// Ratio of residuals to known output noise that counts as noise: noise of the inputs adds to them.
+const PLAUSIBLE: f64 = 1.5;
 
 /// Misfit of a free run below which residuals are rounding.
 const PERFECT: f64 = 1e-10;
@@ -179,6 +182,21 @@ fn reestimated_levels(
 fn may_be_noise(problem: &Problem<'_>, descent: &Descent, most: &NoiseLevels) -> bool {
     let mut channels = descent.channels().into_iter().zip(&most.outputs);
     problem.options.noise == Noise::Estimated && channels.all(|(channel, most)| channel.rms() <= *most)
+}
+
+/// Whether a descent converged to a fit whose residuals can be noise in every channel.
+pub(crate) fn leaves_noise(problem: &Problem<'_>, descent: &Descent) -> Result<bool, IdentifyError> {
+    let most = match &problem.options.noise {
+        Noise::Given(given) => given.outputs.iter().map(|std| PLAUSIBLE * std).collect(),
+        Noise::Estimated => {
+            let known = problem.model.outputs().map(|channel| channel.noise_std);
+            let most = input_noise::most(problem)?.outputs.into_iter().zip(known);
+            most.map(|(most, known)| known.map_or(most, |known| PLAUSIBLE * known)).collect::<Vec<_>>()
+        }
+    };
+    let channels = descent.channels();
+    let noise = |(channel, most): (&ChannelSums, &f64)| most.is_finite() && channel.rms() <= *most;
+    Ok(descent.end == End::Converged && channels.iter().zip(&most).all(noise))
 }
 
 /// Noise levels of the outputs as if all of the residuals were white noise.

@@ -10,21 +10,17 @@ use rayon::prelude::*;
 
 use crate::{
     IdentifyError,
-    evaluation::{ChannelSums, Point, Weights},
-    noise::input_noise,
+    evaluation::{Point, Weights},
     optimiser::{
-        descent::{COARSE_TOLERANCE, Descent, End, descend},
+        descent::{COARSE_TOLERANCE, descend},
         factors::scales,
         intersamples,
-        noise_estimation::first_weights,
+        noise_estimation::{first_weights, leaves_noise},
         nuisance,
     },
-    problem::{Noise, Problem},
+    problem::Problem,
     progress::Stage,
 };
-
-/// Ratio of residuals to known output noise that counts as noise: noise of the inputs adds to them.
-const PLAUSIBLE: f64 = 1.5;
 
 /// Samples of each segment to which starts are fitted.
 const START_ROWS: u64 = 4000;
@@ -115,21 +111,6 @@ pub(crate) fn best_start(problem: &mut Problem<'_>, starts: &mut Starts) -> Resu
     // Start states belong to the parameters with which they were fitted.
     runs.into_iter().zip(best.nuisance).for_each(|(index, own)| point.nuisance[index] = own);
     Ok(point)
-}
-
-/// Whether a descent converged to a fit whose residuals can be noise in every channel.
-pub(crate) fn leaves_noise(problem: &Problem<'_>, descent: &Descent) -> Result<bool, IdentifyError> {
-    let most = match &problem.options.noise {
-        Noise::Given(given) => given.outputs.iter().map(|std| PLAUSIBLE * std).collect(),
-        Noise::Estimated => {
-            let known = problem.model.outputs().map(|channel| channel.noise_std);
-            let most = input_noise::most(problem)?.outputs.into_iter().zip(known);
-            most.map(|(most, known)| known.map_or(most, |known| PLAUSIBLE * known)).collect::<Vec<_>>()
-        }
-    };
-    let channels = descent.channels();
-    let noise = |(channel, most): (&ChannelSums, &f64)| most.is_finite() && channel.rms() <= *most;
-    Ok(descent.end == End::Converged && channels.iter().zip(&most).all(noise))
 }
 
 /// Random values: factors of 1/3 to 3 on parameters that cannot change sign, within bounds.
