@@ -75,6 +75,13 @@ impl Model {
     /// assert_eq!(rubbing.effects[0].place, "load_bearing");
     /// assert!(rubbing.parameter("load_bearing_coulomb_friction_torque").is_some());
     /// assert!(model.with_effect("coulomb_friction", "shaft", &[("torque", 0.1)]).is_err());
+    ///
+    /// // Every value given is a free parameter, but for the speed within which friction changes its sign.
+    /// let free = |model: &Model| model.effects[0].parameters.iter().all(|index| !model.parameters[*index].fixed);
+    /// let values = [("torque", 0.1), ("transition_speed", 1e-3)];
+    /// assert!(!free(&model.with_effect("coulomb_friction", "load_bearing", &values)?));
+    /// let values = [("amplitude", 0.1), ("frequency", 50.0), ("phase", 1.0)];
+    /// assert!(free(&model.with_effect("sensor_hum", "load_speed", &values)?));
     /// # Ok::<(), socam_model::ModelError>(())
     /// ```
     ///
@@ -183,8 +190,8 @@ fn add_effect(
         entry.insert("value", (*number).into());
         entry.insert("unit", unit.into());
         entry.insert("source", "diagnosis".into());
-        if own.is_some_and(|own| own.default.is_some()) {
-            // Fixed as its default is: a width of the law's shape, which no recording determines.
+        if own.is_some_and(effects::EffectParameter::is_transition_speed) {
+            // As its default is.
             entry.insert("fixed", true.into());
         }
         document["parameters"][&full] = value(entry);

@@ -170,7 +170,7 @@ impl Effect {
         if !(speed > 0.0 && speed < usual) {
             return Values::new();
         }
-        let speeds = self.parameters.iter().filter(|own| own.kind == QuantityKind::Speed);
+        let speeds = self.parameters.iter().filter(|own| own.is_transition_speed());
         let each = speeds.filter_map(|own| Some((own.name, own.default?)));
         each.map(|(name, (turning, sliding))| {
             (name, speed / (NARROW * usual) * if rotational { turning } else { sliding })

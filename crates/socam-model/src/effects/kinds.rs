@@ -25,6 +25,11 @@ impl EffectParameter {
     pub(super) const fn usual(name: &'static str, kind: QuantityKind, default: (f64, f64)) -> Self {
         Self { name, kind, default: Some(default), bounds: (0.0, f64::INFINITY) }
     }
+
+    /// Whether it is a speed within which a law changes its sign smoothly: a width of its shape, which no recording determines.
+    pub(crate) fn is_transition_speed(&self) -> bool {
+        self.kind == QuantityKind::Speed && self.default.is_some()
+    }
 }
 
 /// Name of the damping parameter of the spring that models the contact of a gear's teeth, in effects and in the network.
