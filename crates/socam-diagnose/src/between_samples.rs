@@ -80,10 +80,10 @@ impl Path {
     ) -> Result<Option<String>, IdentifyError> {
         for (index, term) in self.terms.iter().enumerate() {
             let own = &term.candidate;
-            let Some((model, values)) = self.start_without(index) else { continue };
             if !matches!(own.effect.form, Form::Delay | Form::Lag) {
                 continue;
             }
+            let Some((model, values)) = self.start_without(index) else { continue };
             for kind in other_intersamples(channel, channel.intersample()) {
                 let Some(model) = with_kind(&model, &channel.name, kind) else { continue };
                 let fitted = context.fitted(&model, &values, None, &self.noise)?;

@@ -74,12 +74,16 @@ pub(crate) fn best_start(problem: &mut Problem<'_>, starts: &mut Starts) -> Resu
     };
     let mut own = fit(&short, 0, base).ok();
     let mut is_enough = own.as_ref().map_or(Ok(false), |own| leaves_noise(&short, own))?;
-    if let Some(found) = &own {
+    let is_open = problem.model.inputs().any(|channel| intersamples::is_open(&problem.options, channel));
+    if let Some(found) = own.as_ref().filter(|_| is_open) {
         let mut other = short.clone();
-        let again = fit(&other, 0, found.point.clone())?;
-        let settled = intersamples::settled(&mut other, again, true, |short, point| fit(short, 0, point))?;
+        let again = fit(&other, 0, found.point.clone());
+        let refit = |short: &Problem<'_>, point| fit(short, 0, point);
+        let settled = again.and_then(|again| intersamples::settled(&mut other, again, true, refit));
         // Far from the data a wrong behaviour between samples may gain by chance.
-        if leaves_noise(&other, &settled)? {
+        if let Ok(settled) = settled
+            && leaves_noise(&other, &settled)?
+        {
             (own, short, is_enough) = (Some(settled), other, true);
         }
     }
