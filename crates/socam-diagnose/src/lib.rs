@@ -73,6 +73,7 @@ mod shortlist;
 mod spectrum;
 pub mod steady;
 mod suspects;
+mod whiteness;
 mod why;
 mod words;
 

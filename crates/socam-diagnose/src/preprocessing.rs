@@ -135,6 +135,27 @@ fn without_outliers(
     masked(dataset, each)
 }
 
+/// The first part of each recording, together about `most` rows; a recording stays as it is where all have no more.
+pub(crate) fn heads(datasets: &[Dataset], most: u64) -> Result<Vec<Dataset>, RecordingError> {
+    let all: u64 = datasets.iter().map(Dataset::rows).sum();
+    let head = |dataset: &Dataset| {
+        if all <= most {
+            return Ok(dataset.clone());
+        }
+        let rows = (dataset.rows() as f64 * most as f64 / all as f64).ceil() as u64;
+        let channels: Vec<usize> = (0..dataset.channels().len()).collect();
+        let (mut time_s, mut columns) = (Vec::new(), vec![Vec::new(); channels.len()]);
+        for block in dataset.blocks_in(0..rows, &channels)? {
+            let block = block?;
+            time_s.extend_from_slice(&block.time_s);
+            let each = columns.iter_mut().zip(&block.columns);
+            each.for_each(|(column, values)| column.extend_from_slice(values.values()));
+        }
+        Dataset::from_columns(dataset.name(), dataset.channels().to_vec(), time_s, columns)
+    };
+    datasets.iter().map(head).collect()
+}
+
 /// A copy in memory with these rows of columns masked (NaN).
 pub(crate) fn masked<'c>(
     dataset: &Dataset,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use socam_calibrate::sensors::with_sensor_gains;
 use socam_frequency::rational::Orders;
 use socam_identify::{
-    Band, Budget, Document, Explained, ForceError, Identification, IdentifyError, Noise, NoiseLevels,
+    Band, Budget, Document, ForceError, Identification, IdentifyError, Noise, NoiseLevels,
     Options, Problem, ProgressMonitor, Validation,
 };
 use socam_model::Model;
@@ -263,17 +263,11 @@ impl Identify {
 pub fn fitted(model: &Model, recordings: &[Dataset], options: &Options) -> Result<Identification> {
     let problem = Problem::new(model, recordings, options.clone()).map_err(|error| in_words(model, error))?;
     let mut found = socam_identify::output_error(&problem)?;
-    if is_left(&found) && !found.end.is_cut_off() {
+    if !found.end.is_cut_off() {
         let suspected = socam_diagnose::suspects(model, recordings, &found, options)?;
         found.allow_for(model, suspected);
     }
     Ok(found)
-}
-
-/// Whether a fit misses its recordings by more than noise.
-fn is_left(result: &Identification) -> bool {
-    let explained = result.verdict.as_ref().map(|verdict| verdict.explained);
-    matches!(explained, Some(Explained::InPart | Explained::No | Explained::NotJudged))
 }
 
 /// The error, with a remedy if the recording belongs to another model.

@@ -5,7 +5,8 @@
 //! sensitivities of the fit: the effect takes back what its column shares with the columns of the parameters. Nobody knows which of the
 //! suspected effects acts, nor what else does, so that each is taken to be of the size at which it would explain all that is left, with
 //! either sign, and an interval is extended to hold the worst of them (T. B. Armstrong and M. Kolesár, Econometrica 86, 2018, with the
-//! suspected effects as the class of deviations).
+//! suspected effects as the class of deviations). Where the model explains its recordings to within noise, what is left is noise and a
+//! suspect's own part, which has the size that was estimated.
 //!
 //! On the random machines of `tests/benches/fits` one interval in four holds without the allowance where the misfit is five times the noise
 //! or more, and about four in five with it.
@@ -13,7 +14,7 @@
 use socam_model::Model;
 
 use crate::{
-    Identification, Move, Suspect,
+    Explained, Identification, Move, Suspect,
     report::estimates::{LARGEST_HALF_WIDTH, QUANTILE},
     uncertainty::combinations,
 };
@@ -25,14 +26,24 @@ const MOST_CHANGES: usize = 4;
 const LEAST_SHARE: f64 = 0.05;
 
 impl Identification {
+    /// Whether the model explains its recordings to within noise.
+    #[must_use]
+    pub fn explains(&self) -> bool {
+        self.verdict.as_ref().is_some_and(|verdict| verdict.explained == Explained::Yes)
+    }
+
     /// Takes note of `suspects`, effects that `model` may leave out, and extends the intervals of parameters and combinations to hold
     /// their values under each of them. A parameter whose interval becomes too wide is reported as not determined. Standard deviations
-    /// stay those of the noise.
+    /// stay those of the noise. A fit that explains its recordings and leaves no suspect stays as it is.
     pub fn allow_for(&mut self, model: &Model, suspects: Vec<Suspect>) {
+        let explains = self.explains();
+        if explains && suspects.is_empty() {
+            return;
+        }
         for (index, own) in self.parameters.iter_mut().enumerate() {
             let [Some(low), Some(high)] = own.ci95 else { continue };
             let value = self.point[index];
-            let changes = suspects.iter().filter_map(|one| change_along(one, model, &[(index, 1.0)]));
+            let changes = suspects.iter().filter_map(|one| change_along((one, explains), model, &[(index, 1.0)]));
             let [low, high] = hull(value, [low, high], changes);
             let bounds = model.parameters[index].bounds;
             own.ci95 = [Some(low.max(bounds.0)), Some(high.min(bounds.1))];
@@ -54,20 +65,20 @@ impl Identification {
             else {
                 continue;
             };
-            let changes = suspects.iter().filter_map(|one| change_along(one, model, &known.sensitivities));
+            let changes = suspects.iter().filter_map(|one| change_along((one, explains), model, &known.sensitivities));
             let [low, high] = hull(known.value, [low, high], changes);
             own.ci95 = [Some(low), Some(high)];
             if (known.value - low).max(high - known.value) > LARGEST_HALF_WIDTH * known.value.abs() {
                 (own.value, own.std, own.ci95) = (None, None, [None, None]);
             }
         }
-        self.warnings.push(sentence(&suspects));
+        self.warnings.push(sentence(&suspects, explains));
         self.suspects = suspects;
     }
 }
 
 /// What the intervals hold, and how the first suspect would change the parameters.
-fn sentence(suspects: &[Suspect]) -> String {
+fn sentence(suspects: &[Suspect], only_noise: bool) -> String {
     let Some(first) = suspects.first() else {
         return "no effect of the catalogue would explain what is left by itself: the intervals hold the scatter of the noise, not what the model leaves out".into();
     };
@@ -87,6 +98,14 @@ fn sentence(suspects: &[Suspect]) -> String {
         .collect();
     changes.sort_by(|a, b| b.0.total_cmp(&a.0));
     let changes: Vec<String> = changes.into_iter().take(MOST_CHANGES).map(|(_, text)| text).collect();
+    if only_noise {
+        return format!(
+            "the model explains these recordings to within the noise, but what is left is not random: it looks most like a little {} at {}{others}; with it in the model: {}; the intervals hold the values with each of these",
+            first.name,
+            first.location,
+            changes.join(", ")
+        );
+    }
     format!(
         "what is left looks most like {} at {}{others}, which would explain {:.0} % of it; with it in the model: {}; the intervals hold the values with each of these",
         first.name,
@@ -97,8 +116,12 @@ fn sentence(suspects: &[Suspect]) -> String {
 }
 
 /// Change of a linear combination of parameters if a suspect explained all that is left, and its standard deviation; `None` if it moves none
-/// of them.
-fn change_along(suspect: &Suspect, model: &Model, sensitivities: &[(usize, f64)]) -> Option<(f64, f64)> {
+/// of them. Where only noise is left beside it, its size is the one that was estimated.
+fn change_along(
+    (suspect, only_noise): (&Suspect, bool),
+    model: &Model,
+    sensitivities: &[(usize, f64)],
+) -> Option<(f64, f64)> {
     let own = sensitivities.iter().filter_map(|(index, sensitivity)| {
         let name = &model.parameters[*index].name;
         let (_, own) = suspect.moves.iter().find(|(known, _)| known == name)?;
@@ -106,7 +129,7 @@ fn change_along(suspect: &Suspect, model: &Model, sensitivities: &[(usize, f64)]
     });
     // The errors of the parameters have one cause, the error of the effect's size.
     let (change, std) = own.reduce(|(change, std), (more, own)| (change + more, std + own))?;
-    let whole = suspect.explains.max(LEAST_SHARE).sqrt();
+    let whole = if only_noise { 1.0 } else { suspect.explains.max(LEAST_SHARE).sqrt() };
     Some((change / whole, std.abs() / whole))
 }
 
