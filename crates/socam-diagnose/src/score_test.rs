@@ -214,7 +214,7 @@ fn by_kind(all: Vec<&Candidate>) -> Vec<Vec<&Candidate>> {
     batches
 }
 
-/// Scores of a batch of candidates from one evaluation; empty where the batch cannot act or its sensitivities overflow.
+/// Scores of a batch of candidates from one evaluation, without those that cannot act; empty where sensitivities overflow.
 fn scored_batch(
     model: &Model,
     datasets: &[Dataset],
@@ -226,7 +226,18 @@ fn scored_batch(
     let Ok((grown, groups)) = with_batch(model, batch) else { return Ok(Vec::new()) };
     let values = carried_over((model, &at.values), &grown);
     let progress = options.progress.clone().tentative();
-    let problem = Problem::new(&grown, datasets, Options { progress, ..options.clone() })?;
+    let problem = match Problem::new(&grown, datasets, Options { progress, ..options.clone() }) {
+        Ok(problem) => problem,
+        // An effect may let go what held the machine in its state of rest: the others are tested without it.
+        Err(IdentifyError::Unsuited { .. }) if batch.len() > 1 => {
+            let alone =
+                |one| scored_batch(model, datasets, options, noise_model, at, std::slice::from_ref(one));
+            let each: Result<Vec<Vec<RankedCandidate>>, IdentifyError> = batch.iter().map(alone).collect();
+            return Ok(each?.into_iter().flatten().collect());
+        }
+        Err(IdentifyError::Unsuited { .. }) => return Ok(Vec::new()),
+        Err(error) => return Err(error),
+    };
     let base = free_parameters(model, &grown);
     let scores = comparison::score_test(&problem, noise_model, &values, (model, at), &base, &groups)?;
     let Some(scores) = scores else { return Ok(Vec::new()) };

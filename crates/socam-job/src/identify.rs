@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use socam_calibrate::sensors::with_sensor_gains;
 use socam_frequency::rational::Orders;
 use socam_identify::{
-    Band, Budget, Document, ForceError, Identification, IdentifyError, Noise, NoiseLevels,
-    Options, Problem, ProgressMonitor, Validation,
+    Band, Budget, Document, ForceError, Identification, IdentifyError, Noise, NoiseLevels, Options, Problem,
+    ProgressMonitor, Validation,
 };
 use socam_model::Model;
 use socam_recording::{Dataset, RecordingError};
@@ -265,7 +265,10 @@ pub fn fitted(model: &Model, recordings: &[Dataset], options: &Options) -> Resul
     let mut found = socam_identify::output_error(&problem)?;
     if !found.end.is_cut_off() {
         let suspected = socam_diagnose::suspects(model, recordings, &found, options)?;
-        found.allow_for(model, suspected);
+        // What was tested before a search was ended says nothing of the rest.
+        if !options.progress.stops() {
+            found.allow_for(model, suspected);
+        }
     }
     Ok(found)
 }

@@ -18,7 +18,8 @@ use crate::{
         noise_estimation::{first_weights, leaves_noise},
         nuisance,
     },
-    problem::Problem,
+    preprocessing::segments::Segment,
+    problem::{Options, Problem, StartState},
     progress::Stage,
 };
 
@@ -27,6 +28,9 @@ const START_ROWS: u64 = 4000;
 
 /// Most iterations of the descent from a start.
 const ITERATIONS: usize = 15;
+
+/// Rows of the pieces of a segment to which the file's values are also fitted.
+const PIECES: [u64; 2] = [128, 512];
 
 /// Number of segments to which starts are fitted.
 const START_SEGMENTS: usize = 4;
@@ -41,7 +45,7 @@ pub(crate) struct Starts {
 }
 
 /// The best of the file's values and random ones, by the cost of a coarse descent on a part of the data. Where the file's values lead to a
-/// fit that leaves only noise, no other start is tried. The starts are noted in `starts`. The behaviour of the inputs between their samples that
+/// fit that leaves only noise, no other start is tried. Two further starts are the file's values fitted to short pieces of the data. The starts are noted in `starts`. The behaviour of the inputs between their samples that
 /// leads to such a fit becomes that of the problem.
 pub(crate) fn best_start(problem: &mut Problem<'_>, starts: &mut Starts) -> Result<Point, IdentifyError> {
     let first = problem.model.values();
@@ -95,12 +99,20 @@ pub(crate) fn best_start(problem: &mut Problem<'_>, starts: &mut Starts) -> Resu
         let nuisance = nuisance::first(&short, &values).ok()?;
         fit(&short, index, Point { values, nuisance }).ok()
     };
+    let by_pieces = |rows: &u64| {
+        let values = fitted_in_pieces(&short, &first, *rows)?;
+        let nuisance = nuisance::first(&short, &values).ok()?;
+        fit(&short, 0, Point { values, nuisance }).ok()
+    };
     let candidates = candidates.enumerate().skip(1);
-    let rest: Vec<_> = if is_enough {
+    let mut rest: Vec<_> = if is_enough {
         Vec::new()
     } else {
         candidates.collect::<Vec<_>>().into_par_iter().map(one).collect()
     };
+    if !is_enough && !problem.options.progress.stops() {
+        rest.extend(PIECES.par_iter().map(by_pieces).collect::<Vec<_>>());
+    }
     problem.intersample.clone_from(&short.intersample);
     starts.not_tried = not_tried.into_inner();
     let mut best: Option<(f64, Point)> = None;
@@ -115,6 +127,25 @@ pub(crate) fn best_start(problem: &mut Problem<'_>, starts: &mut Starts) -> Resu
     // Start states belong to the parameters with which they were fitted.
     runs.into_iter().zip(best.nuisance).for_each(|(index, own)| point.nuisance[index] = own);
     Ok(point)
+}
+
+/// Parameters fitted to pieces of this many rows, each with a start state of its own, from `first`: over a short time a wrong mode has not yet
+/// lost its phase, so that the cost has fewer minima (multiple shooting: H. G. Bock, 1983). `None` where no segment holds two pieces.
+fn fitted_in_pieces(problem: &Problem<'_>, first: &[f64], rows: u64) -> Option<Vec<f64>> {
+    let options = Options { start_state: StartState::Free, ..problem.options.clone() };
+    let pieces: Vec<Segment> = problem.segments.iter().flat_map(|segment| segment.pieces(rows)).collect();
+    if pieces.len() <= problem.segments.len() {
+        return None;
+    }
+    let data = (problem.model, problem.datasets);
+    let problem =
+        Problem::of_segments(data, problem.free.clone(), pieces, options, problem.intersample.clone());
+    let nuisance = nuisance::first(&problem, first).ok()?;
+    let point = Point { values: first.to_vec(), nuisance };
+    let weights = Weights { scales: scales(&problem, first), ..first_weights(&problem, &point).ok()? };
+    let stage = Stage::Start { number: 1, of: problem.options.starts };
+    let found = descend(&problem, point, weights, COARSE_TOLERANCE, ITERATIONS, stage).ok()?;
+    Some(found.point.values)
 }
 
 /// Random values: factors of 1/3 to 3 on parameters that cannot change sign, within bounds.

@@ -37,6 +37,12 @@ impl Segment {
         Self { rows: self.rows.min(rows), ..self.clone() }
     }
 
+    /// The segment in pieces of `rows` rows; what remains at its end is left out.
+    pub(crate) fn pieces(&self, rows: u64) -> impl Iterator<Item = Self> {
+        let first = move |piece: u64| self.first_row + piece * rows;
+        (0..self.rows / rows).map(move |piece| Self { first_row: first(piece), rows, ..self.clone() })
+    }
+
     /// Whether the segment is the first part of its uninterrupted rows.
     pub(crate) fn starts_uninterrupted(&self) -> bool {
         self.first_row == self.uninterrupted.start

@@ -43,7 +43,8 @@ impl Identification {
         for (index, own) in self.parameters.iter_mut().enumerate() {
             let [Some(low), Some(high)] = own.ci95 else { continue };
             let value = self.point[index];
-            let changes = suspects.iter().filter_map(|one| change_along((one, explains), model, &[(index, 1.0)]));
+            let changes =
+                suspects.iter().filter_map(|one| change_along((one, explains), model, &[(index, 1.0)]));
             let [low, high] = hull(value, [low, high], changes);
             let bounds = model.parameters[index].bounds;
             own.ci95 = [Some(low.max(bounds.0)), Some(high.min(bounds.1))];
@@ -65,7 +66,8 @@ impl Identification {
             else {
                 continue;
             };
-            let changes = suspects.iter().filter_map(|one| change_along((one, explains), model, &known.sensitivities));
+            let changes =
+                suspects.iter().filter_map(|one| change_along((one, explains), model, &known.sensitivities));
             let [low, high] = hull(known.value, [low, high], changes);
             own.ci95 = [Some(low), Some(high)];
             if (known.value - low).max(high - known.value) > LARGEST_HALF_WIDTH * known.value.abs() {
@@ -93,7 +95,9 @@ fn sentence(suspects: &[Suspect], only_noise: bool) -> String {
         .iter()
         .filter_map(|(name, Move { from, to, .. })| {
             let share = (to - from) / from.abs();
-            share.is_finite().then(|| (share.abs(), format!("{name} {:+.2} %", 100.0 * share)))
+            // Two digits behind the point say nothing where a value changes several times over.
+            let digits = if share.abs() < 1.0 { 2 } else { 0 };
+            share.is_finite().then(|| (share.abs(), format!("{name} {:+.digits$} %", 100.0 * share)))
         })
         .collect();
     changes.sort_by(|a, b| b.0.total_cmp(&a.0));
