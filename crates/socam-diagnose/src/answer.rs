@@ -43,10 +43,9 @@ pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, Ide
     if findings.is_empty() && is_finished {
         findings.extend(contradiction(path, floor));
     }
-    let is_material = |finding: &Finding| finding.evidence.material != Some(false);
-    let verdict = if findings.iter().any(|finding| finding.effect != UNEXPLAINED && is_material(finding)) {
+    let verdict = if findings.iter().any(|finding| finding.effect != UNEXPLAINED && finding.counts()) {
         Verdict::MissingPhysics
-    } else if findings.iter().any(is_material) {
+    } else if findings.iter().any(Finding::counts) {
         Verdict::Unexplained
     } else if is_finished {
         Verdict::Adequate

@@ -30,7 +30,7 @@ const MARKED: f64 = 0.05;
 /// The kind of a headline, for its colour and sign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tone {
-    /// Nothing material is missing.
+    /// Nothing is missing that is material and not ordinary.
     Adequate,
     /// Physics is missing, and it has a name.
     Missing,
@@ -100,9 +100,11 @@ pub fn marks(diagnosis: &Diagnosis) -> Vec<(&str, PlaceMark)> {
 }
 
 fn title(diagnosis: &Diagnosis, tone: Tone) -> String {
-    let is_material = |finding: &&Finding| finding.evidence.material != Some(false);
-    let (nameless, named): (Vec<&Finding>, Vec<&Finding>) =
-        diagnosis.findings.iter().filter(is_material).partition(|finding| finding.effect == UNEXPLAINED);
+    let (nameless, named): (Vec<&Finding>, Vec<&Finding>) = diagnosis
+        .findings
+        .iter()
+        .filter(|finding| finding.counts())
+        .partition(|finding| finding.effect == UNEXPLAINED);
     let named: Vec<String> = named.into_iter().map(claim::what).collect();
     let places: Vec<String> = nameless.into_iter().map(|finding| finding.location.clone()).collect();
     let places = words::list(&places, "and");
@@ -115,6 +117,11 @@ fn title(diagnosis: &Diagnosis, tone: Tone) -> String {
     match tone {
         Tone::Adequate if diagnosis.findings.is_empty() => {
             "Nothing is missing that these recordings could show".into()
+        }
+        Tone::Adequate if diagnosis.findings.iter().any(|finding| finding.evidence.ordinary.is_some()) => {
+            let ordinary = diagnosis.findings.iter().filter(|finding| finding.evidence.ordinary.is_some());
+            let each: Vec<String> = ordinary.map(claim::what).collect();
+            format!("Nothing is missing but ordinary imperfections: {}", joined(&each))
         }
         Tone::Adequate => {
             "Nothing material is missing: what was found moves no channel by more than the tolerance".into()

@@ -91,7 +91,7 @@ fn finding(found: &document::Finding) -> Finding {
         high: size.and_then(|size| size.ci95[1]).and_then(finite),
         unit: size.map_or_else(String::new, |size| size.unit.clone()),
         share: evidence.moves_percent.map(|percent| 0.01 * percent).and_then(finite),
-        material: evidence.material != Some(false),
+        material: found.counts(),
         log_score_gain: gain,
         log_score_std: std,
         rivals: found.rivals.iter().map(|rival| format!("{}@{}", rival.effect, rival.location)).collect(),

@@ -1,9 +1,11 @@
 //! Findings: one for each effect at a place, and one for the nonparametric term.
 
 use socam_identify::{Identification, IdentifyError};
+use socam_model::effects::FittedValues;
 
 use super::{inputs::Inputs, rivals::rivals};
 use crate::{
+    candidate::Candidate,
     document::{Component, EffectParameter, Finding, FindingEvidence, Region, UNEXPLAINED},
     materiality,
     nonparametric::term::Unexplained,
@@ -30,6 +32,7 @@ pub(super) fn findings(inputs: &Inputs<'_>) -> Result<Vec<Finding>, IdentifyErro
             material: change.as_ref().map(|change| change.share > context.options.tolerance),
             moves_percent: change.as_ref().map(|change| 100.0 * change.share),
             moves_channel: change.map(|change| change.channel),
+            ordinary: ordinary(path, index).map(str::to_owned),
             ..finding.evidence
         };
         findings.push(finding);
@@ -92,6 +95,13 @@ fn unexplained(path: &Path, found: &Unexplained, proof: Option<&Proof>) -> Findi
         },
         rivals: Vec::new(),
     }
+}
+
+/// Why the size of a term is that of an ordinary imperfection; `None` where it is not.
+fn ordinary(path: &Path, term: usize) -> Option<&'static str> {
+    let Candidate { effect, place, .. } = &path.terms[term].candidate;
+    let fitted = path.fitted_parameters(term);
+    (effect.usual)(&path.priors.rig, place, &FittedValues(&fitted))
 }
 
 /// Deviance reduction of a finding.

@@ -127,6 +127,17 @@ pub struct FindingEvidence {
     /// Whether that change exceeds the tolerance.
     #[serde(default)]
     pub material: Option<bool>,
+    /// Why an imperfection of this size is ordinary: every machine has a little of it, and it counts as no fault.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ordinary: Option<String>,
+}
+
+impl Finding {
+    /// Whether it says that something is wrong: it moves a channel by more than the tolerance, and its size is not ordinary.
+    #[must_use]
+    pub fn counts(&self) -> bool {
+        self.evidence.material != Some(false) && self.evidence.ordinary.is_none()
+    }
 }
 
 /// A competing explanation.

@@ -31,6 +31,7 @@ pub(super) fn sentences(diagnosis: &Diagnosis, claims: &[Claim]) -> Vec<String> 
     for (index, (finding, claim)) in diagnosis.findings.iter().zip(claims).enumerate() {
         let number = several.then_some(index + 1);
         all.extend(rivals(finding, claim, number));
+        all.extend(ordinary(finding, claim));
     }
     let named = diagnosis.findings.iter().any(|finding| finding.effect != UNEXPLAINED);
     if named && diagnosis.findings.iter().all(|finding| finding.rivals.is_empty()) {
@@ -65,6 +66,12 @@ fn rivals(finding: &Finding, claim: &Claim, number: Option<usize>) -> Option<Str
         words::percent(next.weight)
     );
     Some(sentence(&head, &text))
+}
+
+/// Why a finding is no fault.
+fn ordinary(finding: &Finding, claim: &Claim) -> Option<String> {
+    let why = finding.evidence.ordinary.as_ref()?;
+    Some(sentence("", &format!("{} is ordinary at this size and no fault: {why}", claim.what)))
 }
 
 fn sentence(head: &str, text: &str) -> String {

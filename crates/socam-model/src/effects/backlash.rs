@@ -7,7 +7,7 @@ use super::{
     },
     experiment,
     kinds::CONTACT_DAMPING,
-    shape,
+    shape, usual,
 };
 
 /// The contact of the teeth is a stiff linear spring and damper. The law cancels their torque while the play (twist at the slow side) is
@@ -48,6 +48,7 @@ pub(super) const EFFECT: Effect = Effect {
         source: "teeth that rebound look like a smaller gap: fitted gaps were 45 to 62 % of the true ones (docs/diagnosis-measured.md)",
         ..Discrepancy::amplitude("gap")
     }],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[],
     steady: Steady::Unseen,

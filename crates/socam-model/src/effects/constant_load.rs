@@ -5,7 +5,7 @@ use super::{
         ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
         Linearisation, Places, Prior, QuantityKind, Steady, all_zero, begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// T = -torque: a positive value opposes positive motion.
@@ -35,6 +35,7 @@ pub(super) const EFFECT: Effect = Effect {
         )]
     },
     discrepancy: &[Discrepancy::amplitude("torque")],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[
         Equivalent { effect: "coulomb_friction", holds: Condition::OneDirection },

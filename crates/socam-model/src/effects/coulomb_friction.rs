@@ -6,7 +6,7 @@ use super::{
         LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, all_zero,
         begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// T = -torque tanh(speed / transition_speed).
@@ -38,6 +38,7 @@ pub(super) const EFFECT: Effect = Effect {
     fit_starts: begin_with_little,
     priors: |rig, place| vec![("torque", Prior::below(rig.bearing(place).1.torque, FRICTION))],
     discrepancy: &[Discrepancy::amplitude("torque")],
+    usual: usual::friction,
     replaces: &[],
     equivalents: &[Equivalent { effect: "constant_load", holds: Condition::OneDirection }],
     steady: Steady::Linear,

@@ -6,7 +6,7 @@ use super::{
         Equivalent, Form, Law, LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response,
         Steady, begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// T = k (d - s) with twist d and slip s: s' = v where the magnitude of T has reached `torque` and v increases it, otherwise 0 (v = d').
@@ -54,6 +54,7 @@ pub(super) const EFFECT: Effect = Effect {
         2e-2,
         "assumed: a real coupling does not slip by a rounded step",
     )],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[Equivalent { effect: "coupling_slip", holds: Condition::InSeries }],
     steady: Steady::Slips,

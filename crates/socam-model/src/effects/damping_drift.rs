@@ -5,7 +5,7 @@ use super::{
         ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
         Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// T = -damping rate time speed, added to the bearing's own torque -damping speed.
@@ -37,6 +37,7 @@ pub(super) const EFFECT: Effect = Effect {
         )]
     },
     discrepancy: &[Discrepancy::amplitude("rate")],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[],
     steady: Steady::Unseen,

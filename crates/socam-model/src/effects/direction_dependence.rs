@@ -5,7 +5,7 @@ use super::{
         ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
         LawInput, Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// T = -(torque_difference tanh²(speed / transition_speed) + damping_difference |speed|) / 2: differences are forward minus
@@ -58,6 +58,7 @@ pub(super) const EFFECT: Effect = Effect {
         ]
     },
     discrepancy: &[Discrepancy::amplitude("torque_difference"), Discrepancy::amplitude("damping_difference")],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[Equivalent { effect: "constant_load", holds: Condition::OneDirection }],
     steady: Steady::Unseen,

@@ -5,7 +5,7 @@ use super::{
         Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput, Linearisation,
         Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// reading = truth + difference |truth| / 2: `difference` is the gain for positive values minus that for negative
@@ -34,6 +34,7 @@ pub(super) const EFFECT: Effect = Effect {
         vec![("difference", Prior::normal([0.0, 0.1], (-1.9, 1.9), source))]
     },
     discrepancy: &[Discrepancy::amplitude("difference")],
+    usual: usual::directions,
     replaces: &[],
     equivalents: &[],
     steady: Steady::Unseen,

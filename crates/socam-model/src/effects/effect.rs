@@ -11,6 +11,7 @@ use super::{
     relations::{Equivalent, FittedValues, Replaces},
     rig::{Rig, Values},
     starts::{PHASES, begin_with_little},
+    usual::{self, Usual},
 };
 
 /// One effect of the catalogue.
@@ -67,6 +68,8 @@ pub struct Effect {
     pub priors: fn(&Rig, &str) -> Vec<(&'static str, Prior)>,
     /// Least interval widths of its parameters, see [`Discrepancy`].
     pub discrepancy: &'static [Discrepancy],
+    /// Whether fitted values are those of an ordinary imperfection, and why.
+    pub usual: Usual,
     /// Simpler laws that this law contains and may replace.
     pub replaces: &'static [Replaces],
     /// Effects that are observationally equivalent to it under a condition.
@@ -132,6 +135,7 @@ impl Effect {
             fit_starts: begin_with_little,
             priors: |_, _| Vec::new(),
             discrepancy: &[],
+            usual: usual::never,
             replaces: &[],
             equivalents: &[],
             steady: Steady::Unseen,

@@ -5,7 +5,7 @@ use super::{
         ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
         Linearisation, POSITIVE, Places, Prior, QuantityKind, Steady, begin_with_little, wave,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// T = torque sin(2 pi frequency time + phase), time counted from the start of the recording.
@@ -51,6 +51,7 @@ pub(super) const EFFECT: Effect = Effect {
         ]
     },
     discrepancy: &[Discrepancy::amplitude("torque"), Discrepancy::frequency("frequency")],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[],
     steady: Steady::Unseen,

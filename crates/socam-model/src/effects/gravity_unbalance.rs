@@ -5,7 +5,7 @@ use super::{
         ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
         LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// T = -torque sin(angle + phase), the angle counted from the start of the recording.
@@ -40,6 +40,7 @@ pub(super) const EFFECT: Effect = Effect {
         ]
     },
     discrepancy: &[Discrepancy::amplitude("torque"), Discrepancy::phase_of_turn("phase")],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[Equivalent {
         effect: "torque_ripple",

@@ -5,7 +5,7 @@ use super::{
         Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
         LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little,
     },
-    experiment, presliding, shape,
+    experiment, presliding, shape, usual,
 };
 
 /// Least deflection at yield, rad (m).
@@ -75,6 +75,7 @@ pub(super) const EFFECT: Effect = Effect {
             "assumed: yielding laws differ, and the deflection at yield is known to a factor of two",
         ),
     ],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[Equivalent { effect: "hysteresis", holds: Condition::InSeriesWithFreeStiffness }],
     steady: Steady::Unseen,

@@ -5,7 +5,7 @@ use super::{
         ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
         Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little, wave,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// The slow side leads by amplitude sin(order angle + phase), with the angle of the fast side. The law applies the torque that twists the
@@ -60,6 +60,7 @@ pub(super) const EFFECT: Effect = Effect {
         Discrepancy::order("order"),
         Discrepancy::phase_of_turn("phase"),
     ],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[],
     steady: Steady::Unseen,

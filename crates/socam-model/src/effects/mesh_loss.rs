@@ -5,7 +5,7 @@ use super::{
         Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
         LawInput, Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// The mesh loses `fraction` of the torque that enters it, whichever side drives. The drag acts on the slow side; speed and contact torque T
@@ -41,6 +41,7 @@ pub(super) const EFFECT: Effect = Effect {
         vec![("fraction", Prior::log_normal([0.05, 4.0], (0.0, 0.95), source))]
     },
     discrepancy: &[Discrepancy::amplitude("fraction")],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[Equivalent {
         effect: "sensor_gain",

@@ -5,7 +5,7 @@ use super::{
         ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Linearisation, POSITIVE,
         Places, Prior, QuantityKind, Steady,
     },
-    experiment,
+    experiment, usual,
 };
 
 /// Replaces a rigid shaft by a spring and a damper in parallel.
@@ -48,6 +48,7 @@ pub(super) const EFFECT: Effect = Effect {
         1e-3,
         "assumed: no machine follows a law better than to 0.1 %",
     )],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[],
     steady: Steady::Unseen,

@@ -5,7 +5,7 @@ use super::{
         ANY, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
         Linearisation, Places, Prior, QuantityKind, Steady,
     },
-    experiment,
+    experiment, usual,
 };
 
 /// Additional inertia at a node, J = J_0 + inertia; negative where the model's value is too large.
@@ -37,6 +37,7 @@ pub(super) const EFFECT: Effect = Effect {
         vec![("inertia", Prior::normal([0.0, usual], (-own, 10.0 * all), source))]
     },
     discrepancy: &[Discrepancy::amplitude("inertia")],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[Equivalent {
         effect: "missing_inertia",

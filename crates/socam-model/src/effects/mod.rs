@@ -52,6 +52,7 @@ mod stribeck_friction;
 #[cfg(test)]
 mod tests;
 mod torque_ripple;
+mod usual;
 mod velocity_weakening;
 
 pub use amplitude::{Amplitude, Coordinate, Linearisation, Steady};
@@ -70,3 +71,4 @@ pub use relations::{Condition, Equivalent, FittedValues, Replaces};
 pub(crate) use rig::rigid_stiffness;
 pub use rig::{Rig, RigBearing, RigChannel, RigGear, RigNode, RigShaft, RigSpring, Values};
 pub(crate) use servo_limit::SERVO_LIMIT;
+pub use usual::Usual;

@@ -7,7 +7,7 @@ use super::{
         Acts, ActsAt, Discrepancy, Effect, EffectParameter, FittedValues, Form, Law, LawInput, Linearisation,
         POSITIVE, Places, Prior, QuantityKind, Replaces, Rig, Steady, Values, begin_with_little,
     },
-    experiment, shape, stribeck_friction,
+    experiment, shape, stribeck_friction, usual,
 };
 
 /// Coulomb friction: T = -torque z / deflection, z' = w - |w| z / deflection. `z` is the deflection of the bristles, rad, and
@@ -65,6 +65,7 @@ pub(super) const COULOMB: Effect = Effect {
     },
     discrepancy: &[Discrepancy::amplitude("torque"), BENT],
     // Presliding and friction that falls with speed both explain a gradual start of the motion.
+    usual: usual::never,
     replaces: &[
         Replaces { law: coulomb_friction::EFFECT.id, starts: giving },
         Replaces { law: stribeck_friction::EFFECT.id, starts: giving },
@@ -131,6 +132,7 @@ pub(super) const STRIBECK: Effect = Effect {
         all
     },
     discrepancy: &[Discrepancy::amplitude("torque"), Discrepancy::amplitude("static_torque"), BENT],
+    usual: usual::never,
     replaces: &[Replaces { law: stribeck_friction::EFFECT.id, starts: giving }],
     equivalents: &[],
     steady: Steady::Unseen,

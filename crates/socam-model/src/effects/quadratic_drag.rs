@@ -5,7 +5,7 @@ use super::{
         ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
         Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// T = -coefficient speed |speed|.
@@ -37,6 +37,7 @@ pub(super) const EFFECT: Effect = Effect {
         vec![("coefficient", Prior::normal([0.0, 0.2 * most], (least, most), source))]
     },
     discrepancy: &[Discrepancy::amplitude("coefficient")],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[],
     steady: Steady::Linear,

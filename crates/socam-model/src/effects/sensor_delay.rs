@@ -7,7 +7,7 @@ use super::{
     },
     experiment,
     sensor_lag::SHORT,
-    shape,
+    shape, usual,
 };
 
 /// The all-pass approximation of a delay of order 8 (Padé, [8/8]) as four sections (s² - p s + q)/(s² + p s + q), given as (p, q), with s in
@@ -38,6 +38,7 @@ pub(super) const EFFECT: Effect = Effect {
         vec![("delay", Prior::log_normal([2.0 * rig.sample_time_s, 5.0], (0.0, most_s), source))]
     },
     discrepancy: &[Discrepancy::amplitude("delay")],
+    usual: usual::delay,
     replaces: &[],
     equivalents: &[Equivalent { effect: "sensor_lag", holds: Condition::ShorterThanSamples(SHORT) }],
     steady: Steady::Unseen,
@@ -81,6 +82,7 @@ pub(super) const AT_INPUT: Effect = Effect {
         1e-2,
         "the law is of first order: 1 % at the frequencies where it is used",
     )],
+    usual: usual::delay,
     replaces: &[],
     equivalents: &[Equivalent {
         effect: EFFECT.id,

@@ -5,7 +5,7 @@ use super::{
         Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput, Linearisation,
         Places, Prior, QuantityKind, Response, Steady, all_zero,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// reading = truth + share (|truth| - truth): with a share of one the reading is |truth|.
@@ -34,6 +34,7 @@ pub(super) const EFFECT: Effect = Effect {
         vec![("share", Prior::normal([1.0, 0.05], (0.0, 1.0), source))]
     },
     discrepancy: &[Discrepancy::amplitude("share")],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[],
     steady: Steady::Unseen,

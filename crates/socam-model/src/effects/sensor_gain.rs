@@ -5,7 +5,7 @@ use super::{
         ActsAt, Amplitude, Condition, Coordinate, Discrepancy, Effect, EffectParameter, Equivalent, Form,
         Linearisation, Places, Prior, QuantityKind, Steady, begin_with_little,
     },
-    experiment,
+    experiment, usual,
 };
 
 /// reading = gain truth; at 0.98 the channel reads 2 % low.
@@ -27,6 +27,7 @@ pub(super) const EFFECT: Effect = Effect {
         vec![("gain", Prior::log_normal([1.0, 1.15], (0.01, 100.0), source))]
     },
     discrepancy: &[Discrepancy::amplitude("gain")],
+    usual: usual::gain,
     replaces: &[],
     equivalents: &[Equivalent {
         effect: "mesh_loss",

@@ -5,7 +5,7 @@ use super::{
         ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
         Linearisation, POSITIVE, Places, Prior, QuantityKind, Steady, begin_with_little, wave,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// reading = truth + amplitude sin(2 pi frequency time + phase), time counted from the start of the recording.
@@ -58,6 +58,7 @@ pub(super) const EFFECT: Effect = Effect {
         ]
     },
     discrepancy: &[Discrepancy::amplitude("amplitude"), Discrepancy::frequency("frequency")],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[],
     steady: Steady::Unseen,

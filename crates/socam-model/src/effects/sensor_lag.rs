@@ -5,7 +5,7 @@ use super::{
         ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Linearisation,
         POSITIVE, Places, Prior, QuantityKind, Steady, begin_with_little,
     },
-    experiment,
+    experiment, usual,
 };
 
 /// time_constant reading' + reading = truth.
@@ -31,6 +31,7 @@ pub(super) const EFFECT: Effect = Effect {
         1e-2,
         "assumed: an amplifier has more than one time constant",
     )],
+    usual: usual::lag,
     replaces: &[],
     equivalents: &[Equivalent { effect: "sensor_delay", holds: Condition::ShorterThanSamples(SHORT) }],
     steady: Steady::Unseen,

@@ -5,7 +5,7 @@ use super::{
         ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, Linearisation, Places,
         Prior, QuantityKind, Steady, all_zero, begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// reading = truth + offset.
@@ -38,6 +38,7 @@ pub(super) const EFFECT: Effect = Effect {
         )]
     },
     discrepancy: &[Discrepancy::amplitude("offset")],
+    usual: usual::offset,
     replaces: &[],
     equivalents: &[],
     steady: Steady::Linear,

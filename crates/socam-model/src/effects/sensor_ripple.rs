@@ -5,7 +5,7 @@ use super::{
         ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
         LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Steady, begin_with_little, wave,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// reading = truth + amplitude sin(order angle + phase), the angle counted from the start of the recording.
@@ -52,6 +52,7 @@ pub(super) const EFFECT: Effect = Effect {
         Discrepancy::order("order"),
         Discrepancy::phase_of_turn("phase"),
     ],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[Equivalent {
         effect: "torque_ripple",

@@ -5,7 +5,7 @@ use super::{
         Acts, ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
         Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// reading = truth, limited to -limit .. limit.
@@ -35,6 +35,7 @@ pub(super) const EFFECT: Effect = Effect {
         vec![("limit", Prior::log_normal([largest, 1.2], (0.3 * largest, 1.5 * largest), source))]
     },
     discrepancy: &[Discrepancy::amplitude("limit")],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[],
     steady: Steady::Unseen,
@@ -84,6 +85,7 @@ pub(super) const AT_INPUT: Effect = Effect {
         0.5,
         "the excess is a mean over what was cut off, and the true signal differs from it: 50 %",
     )],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[],
     steady: Steady::Unseen,

@@ -6,7 +6,7 @@ use super::{
         Form, Law, LawInput, Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero,
         begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// T = k d (1 + cubic d²), with twist d; a negative `cubic` softens.
@@ -37,6 +37,7 @@ pub(super) const EFFECT: Effect = Effect {
         vec![("cubic", Prior::normal([0.0, per_twist], (-0.4 * per_twist, 10.0 * per_twist), source))]
     },
     discrepancy: &[Discrepancy::amplitude("cubic")],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[Equivalent { effect: "stiffness_hardening", holds: Condition::InSeriesWithFreeStiffness }],
     steady: Steady::Unseen,

@@ -7,7 +7,7 @@ use super::{
         LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Replaces, Response, Steady,
         begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// T = -(torque + (static_torque - torque) exp(-(speed / stribeck_speed)²)) tanh(speed / transition_speed).
@@ -62,6 +62,7 @@ pub(super) const EFFECT: Effect = Effect {
         ]
     },
     discrepancy: &[Discrepancy::amplitude("torque"), Discrepancy::amplitude("static_torque")],
+    usual: usual::never,
     replaces: &[Replaces {
         law: "coulomb_friction",
         starts: |_, fitted| {

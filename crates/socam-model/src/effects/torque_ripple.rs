@@ -6,7 +6,7 @@ use super::{
         LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little,
         wave,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// T = torque sin(order angle + phase), the angle counted from the start of the recording. It has no
@@ -55,6 +55,7 @@ pub(super) const EFFECT: Effect = Effect {
         Discrepancy::order("order"),
         Discrepancy::phase_of_turn("phase"),
     ],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[Equivalent {
         effect: "sensor_ripple",

@@ -6,7 +6,7 @@ use super::{
         ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
         LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little,
     },
-    experiment, shape,
+    experiment, shape, usual,
 };
 
 /// T = -torque exp(-(speed / fall_speed)²): drag that decreases from `torque` at standstill to 0 well above `fall_speed`. The drag does not
@@ -52,6 +52,7 @@ pub(super) const EFFECT: Effect = Effect {
         ]
     },
     discrepancy: &[Discrepancy::amplitude("torque")],
+    usual: usual::never,
     replaces: &[],
     equivalents: &[Equivalent { effect: "stribeck_friction", holds: Condition::OneDirection }],
     steady: Steady::Unseen,

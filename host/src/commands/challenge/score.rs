@@ -153,7 +153,7 @@ impl<'a> Judge<'a> {
         let is_hidden = |index: usize| self.is[index].iter().any(|is| *is);
         let all = 0..self.findings.len();
         let counted: Vec<usize> =
-            all.filter(|index| is_hidden(*index) || !self.is_background(&self.findings[*index])).collect();
+            all.filter(|index| is_hidden(*index) || self.is_claim(&self.findings[*index])).collect();
         let is =
             |place: usize, hidden: usize| counted.get(place).is_some_and(|index| self.is[*index][hidden]);
         match self.case.kind {
@@ -176,13 +176,18 @@ impl<'a> Judge<'a> {
             return false;
         }
         let named = self.findings.iter().enumerate().filter(|(_, finding)| finding.effect != UNEXPLAINED);
-        named.filter(|(_, finding)| !self.is_background(finding)).any(|(index, finding)| {
+        named.filter(|(_, finding)| self.is_claim(finding)).any(|(index, finding)| {
             if outside {
                 return !self.case.is_same_body(&finding.location, &self.case.hidden[0].place);
             }
             let small = right && !self.case.hidden.is_empty() && is_small_mass(self.case, finding);
             !small && !self.is[index].iter().any(|is| *is) && !has_tying_truth(self.case, finding)
         })
+    }
+
+    /// Whether a finding claims something that has to be hidden: it is none of the background, and no imperfection that every bench has.
+    fn is_claim(&self, finding: &Finding) -> bool {
+        finding.evidence.ordinary.is_none() && !self.is_background(finding)
     }
 
     /// Whether a finding belongs to the background of the bench.
