@@ -58,7 +58,7 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let noise = |_| Distribution::<f64>::sample(&StandardNormal, &mut random);
         let noise: Vec<f64> = (0..8000).map(noise).collect();
-        let side = |k: usize| if (k / 500) % 2 == 0 { square } else { -square };
+        let side = |k: usize| if (k / 500).is_multiple_of(2) { square } else { -square };
         noise.iter().enumerate().map(|(k, value)| value + side(k)).collect()
     }
 

@@ -97,6 +97,13 @@ Contradicted: Contradicted by the held-out recordings: Coulomb friction at motor
 The proof failed.
 Finding 1: no other explanation that was fitted comes close.";
 
+const ORDINARY: &str = "\
+Adequate: Nothing is missing but ordinary imperfections: Coulomb friction at motor_bearing
+1. Coulomb friction at motor_bearing: torque 0.3010 N m (95 % interval 0.2951 to 0.3069)
+Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
+No other explanation that was fitted comes close.
+Coulomb friction at motor_bearing is ordinary at this size and no fault: bearings rub.";
+
 #[test]
 fn headlines_read_as_expected() {
     let mut adequate = example();
@@ -109,6 +116,9 @@ fn headlines_read_as_expected() {
     };
     let nothing_yet = Diagnosis { verdict: Verdict::NotJudged, ..cut_off(&adequate) };
     let cut_off_later = cut_off(&with_rivals(&[]));
+    let mut ordinary = with_rivals(&[]);
+    ordinary.verdict = Verdict::Adequate;
+    ordinary.findings[0].evidence.ordinary = Some("bearings rub".into());
     let mut unexplained = example();
     (unexplained.verdict, unexplained.validation, unexplained.held_out) =
         (Verdict::Unexplained, Validation::LeaveOneOut, None);
@@ -123,6 +133,7 @@ fn headlines_read_as_expected() {
         (with_rivals(&[]), ALONE),
         (with_rivals(&[("stribeck_friction", "motor_bearing", 0.21)]), BESIDE),
         (adequate, NOTHING),
+        (ordinary, ORDINARY),
         (nothing_yet, CUT_OFF),
         (cut_off_later, CUT_OFF_LATER),
         (unexplained, NAMELESS),
