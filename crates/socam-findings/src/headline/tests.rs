@@ -101,8 +101,8 @@ const ORDINARY: &str = "\
 Adequate: Nothing is missing but ordinary imperfections: Coulomb friction at motor_bearing
 1. Coulomb friction at motor_bearing: torque 0.3010 N m (95 % interval 0.2951 to 0.3069)
 Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
-No other explanation that was fitted comes close.
-Coulomb friction at motor_bearing is ordinary at this size and no fault: bearings rub.";
+Coulomb friction at motor_bearing is ordinary at this size and no fault: bearings rub.
+No other explanation that was fitted comes close.";
 
 #[test]
 fn headlines_read_as_expected() {
