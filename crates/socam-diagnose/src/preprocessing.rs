@@ -143,15 +143,9 @@ pub(crate) fn heads(datasets: &[Dataset], most: u64) -> Result<Vec<Dataset>, Rec
             return Ok(dataset.clone());
         }
         let rows = (dataset.rows() as f64 * most as f64 / all as f64).ceil() as u64;
-        let channels: Vec<usize> = (0..dataset.channels().len()).collect();
-        let (mut time_s, mut columns) = (Vec::new(), vec![Vec::new(); channels.len()]);
-        for block in dataset.blocks_in(0..rows, &channels)? {
-            let block = block?;
-            time_s.extend_from_slice(&block.time_s);
-            let each = columns.iter_mut().zip(&block.columns);
-            each.for_each(|(column, values)| column.extend_from_slice(values.values()));
-        }
-        Dataset::from_columns(dataset.name(), dataset.channels().to_vec(), time_s, columns)
+        let loaded = dataset.load_rows(0..rows)?;
+        let columns = loaded.columns.iter().map(|column| column.values().to_vec()).collect();
+        Dataset::from_columns(dataset.name(), dataset.channels().to_vec(), loaded.time_s, columns)
     };
     datasets.iter().map(head).collect()
 }

@@ -40,7 +40,8 @@ const MOST_ROWS: u64 = 60_000;
 /// When a recording cannot be read.
 ///
 /// # Breaks when
-/// The effect is large: its size and the changes are linearised at the fit. It does not act in the first part of a long recording. Two effects that only together explain the data are not found.
+/// The effect is large: its size and the changes are linearised at the fit. It does not act in the first part of a long
+/// recording. Two effects that only together explain the data are not found.
 pub fn suspects(
     model: &Model,
     datasets: &[Dataset],

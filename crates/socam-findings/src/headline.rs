@@ -106,6 +106,8 @@ fn title(diagnosis: &Diagnosis, tone: Tone) -> String {
         .filter(|finding| finding.counts())
         .partition(|finding| finding.effect == UNEXPLAINED);
     let named: Vec<String> = named.into_iter().map(claim::what).collect();
+    let ordinary = diagnosis.findings.iter().filter(|finding| finding.evidence.ordinary.is_some());
+    let ordinary: Vec<String> = ordinary.map(claim::what).collect();
     let places: Vec<String> = nameless.into_iter().map(|finding| finding.location.clone()).collect();
     let places = words::list(&places, "and");
     let at = if places.is_empty() { String::new() } else { format!(" at {places}") };
@@ -118,10 +120,8 @@ fn title(diagnosis: &Diagnosis, tone: Tone) -> String {
         Tone::Adequate if diagnosis.findings.is_empty() => {
             "Nothing is missing that these recordings could show".into()
         }
-        Tone::Adequate if diagnosis.findings.iter().any(|finding| finding.evidence.ordinary.is_some()) => {
-            let ordinary = diagnosis.findings.iter().filter(|finding| finding.evidence.ordinary.is_some());
-            let each: Vec<String> = ordinary.map(claim::what).collect();
-            format!("Nothing is missing but ordinary imperfections: {}", joined(&each))
+        Tone::Adequate if !ordinary.is_empty() => {
+            format!("Nothing is missing but ordinary imperfections: {}", joined(&ordinary))
         }
         Tone::Adequate => {
             "Nothing material is missing: what was found moves no channel by more than the tolerance".into()

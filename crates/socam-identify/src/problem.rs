@@ -245,6 +245,12 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// The same problem with other segments, which are neither searched nor checked.
+    pub(crate) fn with_segments(&self, segments: Vec<Segment>) -> Self {
+        let data = (self.model, self.datasets);
+        Self::of_segments(data, self.free.clone(), segments, self.options.clone(), self.intersample.clone())
+    }
+
     /// Number of outputs of the model.
     pub(crate) fn outputs(&self) -> usize {
         self.model.outputs().count()

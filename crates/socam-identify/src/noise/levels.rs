@@ -91,13 +91,7 @@ pub(crate) fn without_parameters<'a>(problem: &Problem<'a>) -> Problem<'a> {
 /// The problem with all parameters fixed, restricted to the segments `kept` and to the first `rows` rows of each.
 fn without_sensitivities<'a>(problem: &Problem<'a>, kept: &[usize], rows: u64) -> Problem<'a> {
     let shortened = |index: &usize| problem.segments[*index].head(rows);
-    Problem::of_segments(
-        (problem.model, problem.datasets),
-        Vec::new(),
-        kept.iter().map(shortened).collect(),
-        problem.options.clone(),
-        problem.intersample.clone(),
-    )
+    Problem { free: Vec::new(), ..problem.with_segments(kept.iter().map(shortened).collect()) }
 }
 
 /// Estimates the noise levels by at most `steps` steps of Fisher scoring.

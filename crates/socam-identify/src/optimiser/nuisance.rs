@@ -77,13 +77,8 @@ pub(crate) fn first(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Vec<f64
         return Ok(point.nuisance);
     }
     for rows in HEADS {
-        let heads = Problem::of_segments(
-            (problem.model, problem.datasets),
-            Vec::new(),
-            problem.segments.iter().map(|segment| segment.head(rows)).collect(),
-            problem.options.clone(),
-            problem.intersample.clone(),
-        );
+        let heads = problem.segments.iter().map(|segment| segment.head(rows)).collect();
+        let heads = Problem { free: Vec::new(), ..problem.with_segments(heads) };
         let Ok(weights) = first_weights(&heads, &point) else { break };
         let Some(fitted) = with_nuisance_fitted(&heads, point.clone(), weights)? else { break };
         point.nuisance = fitted.point.nuisance;

@@ -45,8 +45,8 @@ pub(crate) struct Starts {
 }
 
 /// The best of the file's values and random ones, by the cost of a coarse descent on a part of the data. Where the file's values lead to a
-/// fit that leaves only noise, no other start is tried. Two further starts are the file's values fitted to short pieces of the data. The starts are noted in `starts`. The behaviour of the inputs between their samples that
-/// leads to such a fit becomes that of the problem.
+/// fit that leaves only noise, no other start is tried. Two further starts are the file's values fitted to short pieces of the data. The
+/// starts are noted in `starts`. The behaviour of the inputs between their samples that leads to such a fit becomes that of the problem.
 pub(crate) fn best_start(problem: &mut Problem<'_>, starts: &mut Starts) -> Result<Point, IdentifyError> {
     let first = problem.model.values();
     let with_nuisance = |problem: &Problem<'_>, values: Vec<f64>| -> Result<Point, IdentifyError> {
@@ -58,13 +58,8 @@ pub(crate) fn best_start(problem: &mut Problem<'_>, starts: &mut Starts) -> Resu
     }
     let uninterrupted = |index: &usize| problem.segments[*index].starts_uninterrupted();
     let runs: Vec<usize> = (0..problem.segments.len()).filter(uninterrupted).take(START_SEGMENTS).collect();
-    let mut short = Problem::of_segments(
-        (problem.model, problem.datasets),
-        problem.free.clone(),
-        runs.iter().map(|index| problem.segments[*index].head(START_ROWS)).collect(),
-        problem.options.clone(),
-        problem.intersample.clone(),
-    );
+    let heads = runs.iter().map(|index| problem.segments[*index].head(START_ROWS));
+    let mut short = problem.with_segments(heads.collect());
     let mut random = ChaCha8Rng::seed_from_u64(problem.options.seed);
     let candidates = (0..problem.options.starts)
         .map(|index| if index == 0 { first.clone() } else { spread(problem, &first, &mut random) });
@@ -137,9 +132,7 @@ fn fitted_in_pieces(problem: &Problem<'_>, first: &[f64], rows: u64) -> Option<V
     if pieces.len() <= problem.segments.len() {
         return None;
     }
-    let data = (problem.model, problem.datasets);
-    let problem =
-        Problem::of_segments(data, problem.free.clone(), pieces, options, problem.intersample.clone());
+    let problem = Problem { options, ..problem.with_segments(pieces) };
     let nuisance = nuisance::first(&problem, first).ok()?;
     let point = Point { values: first.to_vec(), nuisance };
     let weights = Weights { scales: scales(&problem, first), ..first_weights(&problem, &point).ok()? };

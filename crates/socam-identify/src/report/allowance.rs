@@ -40,12 +40,16 @@ impl Identification {
         if explains && suspects.is_empty() {
             return;
         }
+        // Beside noise alone a suspect has the size that was estimated, else the one at which it explains all that is left.
+        let whole = |one: &Suspect| if explains { 1.0 } else { one.explains.max(LEAST_SHARE).sqrt() };
+        let changes = |sensitivities: &[(usize, f64)]| -> Vec<(f64, f64)> {
+            let own = suspects.iter().filter_map(|one| Some((one, change_along(one, model, sensitivities)?)));
+            own.map(|(one, (change, std))| (change / whole(one), std / whole(one))).collect()
+        };
         for (index, own) in self.parameters.iter_mut().enumerate() {
             let [Some(low), Some(high)] = own.ci95 else { continue };
             let value = self.point[index];
-            let changes =
-                suspects.iter().filter_map(|one| change_along((one, explains), model, &[(index, 1.0)]));
-            let [low, high] = hull(value, [low, high], changes);
+            let [low, high] = hull(value, [low, high], changes(&[(index, 1.0)]).into_iter());
             let bounds = model.parameters[index].bounds;
             own.ci95 = [Some(low.max(bounds.0)), Some(high.min(bounds.1))];
             let share = (value - low).max(high - value) / value.abs();
@@ -66,9 +70,7 @@ impl Identification {
             else {
                 continue;
             };
-            let changes =
-                suspects.iter().filter_map(|one| change_along((one, explains), model, &known.sensitivities));
-            let [low, high] = hull(known.value, [low, high], changes);
+            let [low, high] = hull(known.value, [low, high], changes(&known.sensitivities).into_iter());
             own.ci95 = [Some(low), Some(high)];
             if (known.value - low).max(high - known.value) > LARGEST_HALF_WIDTH * known.value.abs() {
                 (own.value, own.std, own.ci95) = (None, None, [None, None]);
@@ -102,30 +104,24 @@ fn sentence(suspects: &[Suspect], only_noise: bool) -> String {
         .collect();
     changes.sort_by(|a, b| b.0.total_cmp(&a.0));
     let changes: Vec<String> = changes.into_iter().take(MOST_CHANGES).map(|(_, text)| text).collect();
-    if only_noise {
-        return format!(
-            "the model explains these recordings to within the noise, but what is left is not random: it looks most like a little {} at {}{others}; with it in the model: {}; the intervals hold the values with each of these",
-            first.name,
-            first.location,
-            changes.join(", ")
-        );
-    }
-    format!(
-        "what is left looks most like {} at {}{others}, which would explain {:.0} % of it; with it in the model: {}; the intervals hold the values with each of these",
-        first.name,
-        first.location,
-        100.0 * first.explains,
-        changes.join(", ")
-    )
+    let (name, place) = (&first.name, &first.location);
+    let what = if only_noise {
+        format!(
+            "the model explains these recordings to within the noise, but what is left is not random: it looks most like a little {name} at {place}{others}"
+        )
+    } else {
+        let share = 100.0 * first.explains;
+        format!(
+            "what is left looks most like {name} at {place}{others}, which would explain {share:.0} % of it"
+        )
+    };
+    let changes = changes.join(", ");
+    format!("{what}; with it in the model: {changes}; the intervals hold the values with each of these")
 }
 
-/// Change of a linear combination of parameters if a suspect explained all that is left, and its standard deviation; `None` if it moves none
-/// of them. Where only noise is left beside it, its size is the one that was estimated.
-fn change_along(
-    (suspect, only_noise): (&Suspect, bool),
-    model: &Model,
-    sensitivities: &[(usize, f64)],
-) -> Option<(f64, f64)> {
+/// Change of a linear combination of parameters with a suspect of its estimated size, and the standard deviation; `None` if it moves none of
+/// them.
+fn change_along(suspect: &Suspect, model: &Model, sensitivities: &[(usize, f64)]) -> Option<(f64, f64)> {
     let own = sensitivities.iter().filter_map(|(index, sensitivity)| {
         let name = &model.parameters[*index].name;
         let (_, own) = suspect.moves.iter().find(|(known, _)| known == name)?;
@@ -133,8 +129,7 @@ fn change_along(
     });
     // The errors of the parameters have one cause, the error of the effect's size.
     let (change, std) = own.reduce(|(change, std), (more, own)| (change + more, std + own))?;
-    let whole = if only_noise { 1.0 } else { suspect.explains.max(LEAST_SHARE).sqrt() };
-    Some((change / whole, std.abs() / whole))
+    Some((change, std.abs()))
 }
 
 /// The least interval that holds the one around `value` moved by each of the changes to either side. The changes have errors of their own.

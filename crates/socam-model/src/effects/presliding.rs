@@ -64,8 +64,8 @@ pub(super) const COULOMB: Effect = Effect {
         all
     },
     discrepancy: &[Discrepancy::amplitude("torque"), BENT],
-    // Presliding and friction that falls with speed both explain a gradual start of the motion.
     usual: usual::never,
+    // Presliding and friction that falls with speed both explain a gradual start of the motion.
     replaces: &[
         Replaces { law: coulomb_friction::EFFECT.id, starts: giving },
         Replaces { law: stribeck_friction::EFFECT.id, starts: giving },

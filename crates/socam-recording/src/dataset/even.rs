@@ -64,16 +64,11 @@ impl Dataset {
     /// Whether the channels follow smooth curves over these times rather than over their stamps.
     fn is_smoother_on(&self, stamps: &[f64], even: &[f64]) -> Result<bool> {
         let rows = stamps.len().min(MOST_ROWS);
-        let mut columns = vec![Vec::new(); self.channels().len()];
-        let all: Vec<usize> = (0..columns.len()).collect();
-        for block in self.blocks_in(0..rows as u64, &all)? {
-            for (own, column) in columns.iter_mut().zip(&block?.columns) {
-                own.extend_from_slice(column.values());
-            }
-        }
+        let columns = self.load_rows(0..rows as u64)?.columns;
         let ratio =
-            |values: &Vec<f64>| Some(roughness(&stamps[..rows], values)? / roughness(&even[..rows], values)?);
-        let ratios: Vec<f64> = columns.iter().filter_map(ratio).filter(|ratio| ratio.is_finite()).collect();
+            |values: &[f64]| Some(roughness(&stamps[..rows], values)? / roughness(&even[..rows], values)?);
+        let ratios = columns.iter().filter_map(|own| ratio(own.values()));
+        let ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite()).collect();
         Ok(ratios.iter().any(|ratio| *ratio > RIGHT) && ratios.iter().all(|ratio| *ratio > OPPOSED))
     }
 }

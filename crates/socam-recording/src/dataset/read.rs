@@ -82,7 +82,8 @@ impl Dataset {
     /// # Errors
     /// When a channel does not exist or the file cannot be read again.
     pub fn load(&self, channels: &[&str]) -> Result<Loaded> {
-        self.load_channels(&channels.iter().map(|name| self.channel_index(name)).collect::<Result<Vec<_>>>()?)
+        let indices = channels.iter().map(|name| self.channel_index(name)).collect::<Result<Vec<_>>>()?;
+        self.load_channels(0..self.rows, &indices)
     }
 
     /// All rows of all channels, in memory, in the order of [`Dataset::channels`].
@@ -96,13 +97,28 @@ impl Dataset {
     /// # Errors
     /// When the file cannot be read again.
     pub fn load_all(&self) -> Result<Loaded> {
-        self.load_channels(&(0..self.channels.len()).collect::<Vec<_>>())
+        self.load_rows(0..self.rows)
     }
 
-    fn load_channels(&self, indices: &[usize]) -> Result<Loaded> {
+    /// These rows of all channels, in memory, in the order of [`Dataset::channels`].
+    ///
+    /// ```
+    /// # let data = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doc/run.rs"));
+    /// let loaded = data.load_rows(0..100)?;
+    /// assert_eq!((loaded.time_s.len(), loaded.columns.len()), (100, data.channels().len()));
+    /// # Ok::<(), socam_recording::RecordingError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When the file cannot be read again.
+    pub fn load_rows(&self, rows: Range<u64>) -> Result<Loaded> {
+        self.load_channels(rows, &(0..self.channels.len()).collect::<Vec<_>>())
+    }
+
+    fn load_channels(&self, rows: Range<u64>, indices: &[usize]) -> Result<Loaded> {
         let mut time_s = Vec::new();
         let mut columns = vec![Vec::new(); indices.len()];
-        for block in self.blocks_in(0..self.rows, indices)? {
+        for block in self.blocks_in(rows, indices)? {
             let block = block?;
             time_s.extend_from_slice(&block.time_s);
             for (column, values) in columns.iter_mut().zip(&block.columns) {
