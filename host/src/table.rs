@@ -163,7 +163,8 @@ pub(crate) fn noise(result: &Identification) -> String {
     };
     // What the model leaves beyond its sensors' noise is its misfit, and stands in the table above.
     let sensor = |fit: &ChannelFit| fit.sensor_noise_std.map_or(fit.noise_std, |std| std.min(fit.noise_std));
-    let outputs = result.fit.channels.iter().map(|(name, fit)| (name, sensor(fit))).collect();
+    let read = result.fit.channels.iter().filter(|(_, fit)| fit.rms.is_finite());
+    let outputs = read.map(|(name, fit)| (name, sensor(fit))).collect();
     let noisy = result.input_noise_std.iter().filter(|(_, std)| *std > 0.0);
     let inputs: Vec<_> = noisy.map(|(name, std)| (name, *std)).collect();
     let inputs = if inputs.is_empty() { "none".into() } else { list(inputs) };
@@ -194,6 +195,9 @@ pub(crate) fn fit(title: &str, fit: &Fit) -> String {
     let head = ["channel", "residual rms", "of its std", "of its norm"].map(String::from).to_vec();
     let row = |(name, fit): &(String, ChannelFit)| {
         let percent = |value: f64| format!("{value:.4} %");
+        if !fit.rms.is_finite() {
+            return vec![name.clone(), "not fitted".into(), String::new(), String::new()];
+        }
         vec![name.clone(), number(fit.rms), percent(fit.nrmse_percent), percent(fit.relative_error_percent)]
     };
     let rows: Vec<_> = std::iter::once(head).chain(fit.channels.iter().map(row)).collect();

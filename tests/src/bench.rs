@@ -70,9 +70,9 @@ impl Bench {
             writeln!(
                 csv,
                 "{t:.3},{w:.9},{:.9},{:.9},{:.9}",
-                v5 + 0.01 * noise.next(),
-                torque_in + 0.005 * noise.next(),
-                torque_out + 0.02 * noise.next(),
+                v5 + 0.01 * noise.draw(),
+                torque_in + 0.005 * noise.draw(),
+                torque_out + 0.02 * noise.draw(),
             )
             .expect("a String takes everything");
             for sub in 0..STEPS_PER_SAMPLE {
@@ -102,10 +102,11 @@ fn motor_speed(t: f64) -> f64 {
 }
 
 /// Gaussian enough: the sum of twelve uniform numbers.
-struct Noise(u64);
+pub struct Noise(pub u64);
 
 impl Noise {
-    fn next(&mut self) -> f64 {
+    /// The next number, of variance one.
+    pub fn draw(&mut self) -> f64 {
         let mut uniform = || {
             self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (self.0 >> 11) as f64 / (1u64 << 53) as f64

@@ -102,7 +102,9 @@ fn a_fleet_is_a_table_of_which_bad_input_is_a_part() {
     let fleet = fleet();
     let counts = &fleet.summary["counts"];
     assert_eq!(fleet.summary["schema"], "socam.fleet-summary/1");
-    assert_eq!((&counts["recordings"], &counts["adequate"]), (&13.into(), &9.into()), "{counts}");
+    assert_eq!((&counts["recordings"], &counts["adequate"]), (&13.into(), &8.into()), "{counts}");
+    // Both dates of the one machine with friction.
+    assert_eq!(counts["missing_physics"], 2, "{counts}");
     let (unreadable, unfit) = (&counts["unreadable"], &counts["unfit"]);
     assert_eq!((unreadable, unfit, &counts["failed"]), (&2.into(), &1.into(), &0.into()), "{counts}");
     let faulty = fleet.summary["faulty"].as_array().unwrap();

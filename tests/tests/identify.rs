@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use socam_tests::bench::BENCH;
+use socam_tests::bench::{BENCH, Noise};
 use socam_tests::{Ran, data_set, run, socam_host};
 
 /// Parameters, or anything else with a name, by their names.
@@ -171,12 +171,11 @@ fn a_free_swing_needs_no_input() {
     let (inertia, stiffness, damping): (f64, f64, f64) = (0.02, 8.0, 0.03);
     let decay = 0.5 * damping / inertia;
     let turns = (stiffness / inertia - decay * decay).sqrt();
-    let mut noise =
-        (1u32..).map(|k| f64::from(k.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5);
+    let mut noise = Noise(11);
     let mut csv = String::from("t_s,disc_angle_rad\n");
     for k in 0..2500 {
         let t = 0.002 * f64::from(k);
-        let angle = 0.7 * (-decay * t).exp() * (turns * t + 0.4).cos() + 1e-3 * noise.next().unwrap();
+        let angle = 0.7 * (-decay * t).exp() * (turns * t + 0.4).cos() + 3e-4 * noise.draw();
         csv += &format!("{t:.3},{angle:.6}\n");
     }
     std::fs::write(path("swing.csv"), csv).unwrap();

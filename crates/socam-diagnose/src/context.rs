@@ -23,8 +23,6 @@ use crate::{
 const FEW: usize = 3;
 /// Number of blocks into which fewer recordings are cut, all together.
 const BLOCKS: usize = 4;
-/// Number of segments of one recording above which segments count as many.
-const MANY_SEGMENTS: usize = 4;
 /// Mean square of the whitened residuals, in units of sensor noise, above which inputs are treated as exact, and above which large starts
 /// are tried even after an effect was added.
 pub(crate) const FAR_BEYOND_NOISE: f64 = 100.0;
@@ -93,11 +91,6 @@ impl<'a> Context<'a> {
     /// Cross-validation scheme: by whole recordings or by blocks.
     pub(crate) fn validation(&self) -> Validation {
         if self.folds.is_empty() { Validation::LeaveOneOut } else { Validation::Blocks }
-    }
-
-    /// Whether recordings consist of many segments, each with a start state of its own.
-    pub(crate) fn has_short_segments(&self) -> bool {
-        self.training.iter().any(|dataset| dataset.segments().len() > MANY_SEGMENTS)
     }
 
     /// Whether the search was ended. Descents then stay where they are, and nothing may be decided by their fits: what was decided before

@@ -146,7 +146,11 @@ mod tests {
             .iter()
             .map(|level| (0..50).map(|k| level + f64::from(k % 7) + 0.1 * f64::from(k % 3)).collect())
             .collect();
-        CrossValidation { held_out: blocks.iter().map(|b| b.iter().sum()).collect(), blocks }
+        CrossValidation {
+            held_out: blocks.iter().map(|b| b.iter().sum()).collect(),
+            blocks,
+            nearest: Vec::new(),
+        }
     }
 
     /// Blocks count alike, although the last ones hold nearly all of an error that grows.
@@ -154,7 +158,7 @@ mod tests {
     fn what_leaves_less_in_most_blocks_is_told_from_chance() {
         let growing = |share: f64| {
             let blocks: Vec<f64> = (0..50).map(|k| share * 1.5_f64.powi(k)).collect();
-            CrossValidation { held_out: vec![blocks.iter().sum()], blocks: vec![blocks] }
+            CrossValidation { held_out: vec![blocks.iter().sum()], blocks: vec![blocks], nearest: Vec::new() }
         };
         let (after, before) = (growing(0.3), growing(1.0));
         assert!(leaves_less(&after, &before) && !leaves_less(&before, &after));

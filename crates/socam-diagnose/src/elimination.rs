@@ -7,6 +7,7 @@ use crate::{
     candidate::Candidate,
     context::{self, Context, FittedModel},
     criterion,
+    extension::carried_over,
     journal::{self, Fate},
     nested,
     selection::{EXCESS, Path},
@@ -50,14 +51,19 @@ impl Path {
         context.fitted(&model, &at.values, Some((&model, &at)), &self.noise)
     }
 
-    /// The last model without a term, fitted from the file's values, whatever its deviance.
+    /// The last model without a term, whatever its deviance: the better fit from the file's values and from those of the base model, which
+    /// several starts led to.
     pub(crate) fn refitted_without(
         &self,
         context: &Context<'_>,
         index: usize,
     ) -> Result<Option<FittedModel>, IdentifyError> {
         let Some((model, _)) = self.start_without(index) else { return Ok(None) };
-        context.fitted(&model, &model.values(), None, &self.noise)
+        let base = carried_over((&self.base.model, &self.base.at.values), &model);
+        let from_base =
+            context.fitted(&model, &base, Some((&self.base.model, &self.base.at)), &self.noise)?;
+        let from_file = context.fitted(&model, &model.values(), None, &self.noise)?;
+        Ok([from_base, from_file].into_iter().flatten().min_by(|a, b| a.deviance().total_cmp(&b.deviance())))
     }
 
     /// The last model with a term's amplitude at its null value and everything else unchanged, cross-validated.
@@ -112,8 +118,8 @@ impl Path {
         Ok(())
     }
 
-    /// Replaces a term's law by the simplest law over which it gains nothing.
-    pub(crate) fn simplify(&mut self, context: &Context<'_>, index: usize) -> Result<(), IdentifyError> {
+    /// Replaces a term's law by the simplest law over which it gains nothing. Returns whether it did.
+    pub(crate) fn simplify(&mut self, context: &Context<'_>, index: usize) -> Result<bool, IdentifyError> {
         for simpler in nested::simpler_laws(self, index) {
             let Some((model, values)) = self.start_with(index, &simpler) else { continue };
             let Some(fitted) = context.fitted(&model, &values, None, &self.noise)? else { continue };
@@ -121,13 +127,15 @@ impl Path {
                 break;
             }
             let gained = self.gain(&self.last, &fitted);
-            if gained.log_score <= gained.std.max(self.least_gain_over(index, &simpler)) {
+            let is_needed = Self::is_better(&self.noise, gained, (&self.last, &fitted))
+                && gained.log_score > self.least_gain_over(index, &simpler);
+            if !is_needed {
                 self.last = fitted;
                 self.take_law(context, index, simpler);
-                return Ok(());
+                return Ok(true);
             }
         }
-        Ok(())
+        Ok(false)
     }
 
     /// Log score that a term's law has to gain over another effect's law: more than the simpler law's discrepancy can make. 0 for a law of

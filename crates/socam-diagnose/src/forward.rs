@@ -252,10 +252,15 @@ impl Path {
         }
         self.renew_noise(context)?;
         self.upgrade(context)?;
-        self.simplify(context, self.terms.len() - 1)?;
+        let last = self.terms.len() - 1;
+        if self.simplify(context, last)? {
+            // A law that was raced from one start may have ended short of what it can explain: it begins again from the simpler one.
+            self.terms[last].excess_at_upgrade = f64::INFINITY;
+            self.upgrade(context)?;
+        }
         // Nested laws are chosen from the last score test, so that it is cleared only now.
         self.tests.clear();
-        self.eliminate(context, self.terms.len() - 1)
+        self.eliminate(context, last)
     }
 
     /// Estimates sensor noise and discrepancy from the last model's residuals, and fits the last model under them, unless the search was

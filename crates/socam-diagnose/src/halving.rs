@@ -175,13 +175,12 @@ fn begin(
     let values = carried_over((&before.model, &before.at.values), &grown);
     let round = (comparison::COARSE, first_round(candidate));
     let problem = context.tentative(&begun)?;
-    // Start states are estimated anew, because those of the previous fit compensate for the missing physics. Those of many short segments
-    // do not, and take more iterations than a round has.
+    // Start states are estimated anew, because those of the previous fit compensate for the missing physics. From these a fit may run away
+    // from the data, such as that of a pendulum that turns over, and those of many short segments take more iterations than a round has:
+    // then the previous ones are where it begins.
     let anew = comparison::descend(&problem, noise, &values, None, round)?;
     let at = match anew.filter(|at| at.total() < before.deviance()) {
-        None if context.has_short_segments() => {
-            comparison::descend(&problem, noise, &values, Some((&before.model, &before.at)), round)?
-        }
+        None => comparison::descend(&problem, noise, &values, Some((&before.model, &before.at)), round)?,
         anew => anew,
     };
     Ok(at.map(|at| (grown, at)))

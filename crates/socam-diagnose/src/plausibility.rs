@@ -22,10 +22,11 @@ impl PriorKnowledge {
         self.of_displacement(fitted) + self.of_effects(fitted)
     }
 
-    /// Log prior of the base parameters' displacement from the file's values.
+    /// Log prior of the base parameters' displacement from the file's values. Directions that the recordings do not determine count as little
+    /// as they can.
     fn of_displacement(&self, fitted: &FittedModel) -> f64 {
         let moved = self.base.parameters.iter().filter_map(|parameter| {
-            let value = fitted.at.values[fitted.model.parameter(&parameter.name)?];
+            let value = *fitted.validation.nearest.get(fitted.model.parameter(&parameter.name)?)?;
             let known = !parameter.fixed && parameter.bounds.0 >= 0.0 && parameter.value > 0.0 && value > 0.0;
             known.then(|| (value / parameter.value).ln())
         });

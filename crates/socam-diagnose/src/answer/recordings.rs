@@ -27,7 +27,7 @@ pub(super) fn fit(inputs: &Inputs<'_>) -> Fit {
     let rms = |at: &Evaluation, output: usize| (at.read[output] > 0.0).then(|| at.rms[output]);
     let channels = path.base.model.outputs().enumerate().map(|(output, channel)| {
         let fit = ChannelFit {
-            noise_std: Some(floor[output]),
+            noise_std: (path.base.at.read[output] > 0.0).then_some(floor[output]),
             rms_before: rms(&path.base.at, output),
             rms_after: rms(&last.at, output),
             holdout_rms_before: proof.and_then(|proof| rms(&proof.base, output)),

@@ -17,7 +17,7 @@ use crate::{
     comparison::{Evaluation, NoiseModel, begin},
     evaluation::{self, SegmentEvaluation, Weights},
     matrix::{Svd, SymmetricEigen, gram, product},
-    optimiser::{factors, qr},
+    optimiser::{descent::LEAST_DAMPING, factors, qr, step},
     problem::Problem,
 };
 
@@ -34,6 +34,9 @@ pub struct CrossValidation {
     pub held_out: Vec<f64>,
     /// Sums of squared whitened residuals of each recording at the fit, over blocks of 0.2 s.
     pub blocks: Vec<Vec<f64>>,
+    /// All parameters after one more step without damping, SI. Along directions that the recordings do not determine a descent ends anywhere;
+    /// this is the point nearest to the model file's values, at which plausibility can be judged.
+    pub nearest: Vec<f64>,
 }
 
 impl CrossValidation {
@@ -78,6 +81,11 @@ pub fn leave_one_out(
     let free = problem.free.len();
     let factor = factors::global_factor(problem, &point, &weights, &evaluated);
     let Some(root) = covariance_root(&factor, free) else { return Ok(None) };
+    let step = step::constrained_step(problem, &point, &weights, factor.as_ref(), LEAST_DAMPING);
+    let nearest = step.map_or_else(
+        || point.values.clone(),
+        |step| step::moved(problem, (&point, &weights, &evaluated), &step, 1.0).values,
+    );
     let recordings = problem.datasets.len();
     let (mut held_out, mut blocks) = (vec![0.0; recordings], vec![Vec::new(); recordings]);
     for recording in 0..recordings {
@@ -90,7 +98,7 @@ pub fn leave_one_out(
         held_out[recording] = squares + change;
         blocks[recording] = own().flat_map(|(_, result)| result.block_squares.iter().copied()).collect();
     }
-    Ok(Some(CrossValidation { held_out, blocks }))
+    Ok(Some(CrossValidation { held_out, blocks, nearest }))
 }
 
 /// Square root of the inverse of the information of all recordings: it has `free` rows, and a column for each direction that the

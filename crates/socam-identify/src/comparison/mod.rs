@@ -20,6 +20,7 @@ use socam_model::Model;
 
 use crate::{
     IdentifyError,
+    evaluation::Point,
     noise::levels,
     optimiser::{
         descent::{self, End},
@@ -105,6 +106,15 @@ pub fn measure(
     let problem = levels::without_parameters(problem);
     let Some(point) = begin(&problem, values, None)? else { return Ok(None) };
     let weights = noise_model.weights(&problem, values);
-    let Some(at) = nuisance::with_nuisance_fitted(&problem, point, weights)? else { return Ok(None) };
-    Ok(Some(model_evaluation::measured(&problem, &at.point, &at.evaluated, true)))
+    let mut best = nuisance::with_nuisance_fitted(&problem, point, weights.clone())?;
+    // Start states of a model with force laws may end in a local minimum: they are also fitted from those of short heads.
+    if nuisance::has_heads(&problem, values)? {
+        let point = Point { values: values.to_vec(), nuisance: nuisance::first(&problem, values)? };
+        let other = nuisance::with_nuisance_fitted(&problem, point, weights)?;
+        let (cost, least) = [&other, &best].map(|at| at.as_ref().map_or(f64::INFINITY, |at| at.cost)).into();
+        if cost < least {
+            best = other;
+        }
+    }
+    Ok(best.map(|at| model_evaluation::measured(&problem, &at.point, &at.evaluated, true)))
 }

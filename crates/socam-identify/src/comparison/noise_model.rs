@@ -192,8 +192,11 @@ pub fn noise(
 ) -> Result<NoiseLevels, IdentifyError> {
     let most = input_noise::most(problem)?;
     let known = problem.model.outputs().map(|channel| channel.noise_std);
+    // The level of a channel without values weights nothing.
+    let level = |rms: f64, read: f64, most: f64| if read > 0.0 { rms.min(most) } else { 1.0 };
+    let read = at.rms.iter().zip(&at.read).zip(&most.outputs);
     let outputs =
-        known.zip(&at.rms).zip(&most.outputs).map(|((known, rms), most)| known.unwrap_or(rms.min(*most)));
+        known.zip(read).map(|(known, ((rms, read), most))| known.unwrap_or(level(*rms, *read, *most)));
     let point = Point { values: at.values.clone(), nuisance: at.nuisance.clone() };
     let inputs: Vec<f64> = most
         .inputs

@@ -56,6 +56,12 @@ impl SegmentEvaluation {
         }
         solution
     }
+
+    /// Decrease of the sum of squares by the nuisance parameters' own step that the linearisation predicts.
+    pub(crate) fn nuisance_gain(&self) -> f64 {
+        let residual = self.factor.col(self.factor.ncols() - 1);
+        self.pivots.iter().flatten().map(|row| residual[*row].powi(2)).sum()
+    }
 }
 
 /// Whether the data determine a nuisance parameter, from the norm of its column after elimination and before: a change of one unit must

@@ -72,6 +72,11 @@ fn exact_inputs(
     let mut deviance = 0.0;
     let mut outputs = Vec::new();
     for (((channel, unit), most), squares) in channels.zip(&score.squares) {
+        if *squares == 0.0 {
+            // A channel without values has no level.
+            outputs.push(*unit);
+            continue;
+        }
         let estimate = (unit * (squares / score.samples.max(1.0)).sqrt()).min(*most);
         let std = channel.noise_std.unwrap_or(estimate);
         let variance = (std / unit).powi(2);

@@ -15,8 +15,8 @@ use crate::{
     progress::Stage,
 };
 
-/// Predicted decrease of the cost (a sum of squares in noise units) by an undamped step below which a descent has converged: no
-/// parameter is then further than a tenth of its standard deviation from the minimum.
+/// Predicted decrease of the cost (a sum of squares in noise units) by an undamped step, of start states and offsets too, below which a descent
+/// has converged: no parameter is then further than a tenth of its standard deviation from the minimum.
 pub(crate) const TOLERANCE: f64 = 0.01;
 
 /// [`TOLERANCE`] while noise levels or the best start are still sought.
@@ -34,7 +34,7 @@ const NEAR_GAIN: f64 = 1.0;
 
 /// Smallest damping, relative to each parameter's curvature. Along a sloppy direction the cost may change 1e12 times less than across
 /// it, and steps along it are wanted.
-const LEAST_DAMPING: f64 = 1e-14;
+pub(crate) const LEAST_DAMPING: f64 = 1e-14;
 
 /// Damping at which a descent gives up.
 const MOST_DAMPING: f64 = 1e9;
@@ -121,6 +121,11 @@ impl Descent {
         (&self.point, &self.weights, &self.evaluated)
     }
 
+    /// Decrease of the cost by the nuisance parameters' own step that the linearisation predicts.
+    fn nuisance_gain(&self) -> f64 {
+        self.evaluated.iter().map(SegmentEvaluation::nuisance_gain).sum()
+    }
+
     fn factor(&self, problem: &Problem<'_>) -> Mat<f64> {
         global_factor(problem, &self.point, &self.weights, &self.evaluated)
     }
@@ -190,8 +195,9 @@ pub(crate) fn descend(
             let predicted = predicted_gain(factor.as_ref(), &step);
             Some((step, predicted))
         };
-        // Damping shortens steps along a sloppy direction to nothing, so convergence is judged by the undamped step.
-        if step(LEAST_DAMPING).is_some_and(|(_, predicted)| predicted <= least) {
+        // Damping shortens steps along a sloppy direction to nothing, so convergence is judged by the undamped step, of start states too.
+        let nuisance = at.nuisance_gain();
+        if step(LEAST_DAMPING).is_some_and(|(_, predicted)| predicted + nuisance <= least) {
             at.end = End::Converged;
             break;
         }
@@ -210,7 +216,7 @@ pub(crate) fn descend(
             }
         } else {
             damping.tighten();
-            if let Some(end) = refused(&at, predicted, least, damping.value) {
+            if let Some(end) = refused(&at, predicted + nuisance, least, damping.value) {
                 at.end = end;
                 break;
             }

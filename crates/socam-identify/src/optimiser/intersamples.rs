@@ -9,7 +9,7 @@ use socam_recording::Dataset;
 use crate::{
     IdentifyError, Options, Problem,
     between::{self, Between, BetweenSource},
-    evaluation::{self, Point, Weights},
+    evaluation::{self, Point, SegmentEvaluation, Weights},
     noise::innovations_filter::{InnovationsFilter, NoiseLevels},
     optimiser::{
         descent::{self, Descent},
@@ -213,7 +213,7 @@ impl Alternative {
         let step = constrained_step(&other, &descent.point, weights, factor.as_ref(), DAMPING);
         let Some(step) = step else { return Ok(None) };
         let unit = descent.misfit().max(1.0);
-        let nuisance: f64 = evaluated.iter().map(nuisance::predicted_decrease).sum();
+        let nuisance: f64 = evaluated.iter().map(SegmentEvaluation::nuisance_gain).sum();
         let levels = weights.levels();
         let sizes = log_determinant(&other, &descent.point, &levels)
             - log_determinant(problem, &descent.point, &levels);

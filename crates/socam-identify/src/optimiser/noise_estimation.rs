@@ -59,8 +59,11 @@ pub(crate) fn first_weights(problem: &Problem<'_>, point: &Point) -> Result<Weig
     Ok(weights)
 }
 
-/// A noise level above zero, for constant channels and perfect predictions.
+/// A noise level above zero, for constant channels and perfect predictions. That of a channel without values weights nothing.
 fn floor(noise_std: f64, channel: &ChannelSums) -> f64 {
+    if channel.count == 0.0 {
+        return 1.0;
+    }
     let size = (channel.squares / channel.count.max(1.0)).sqrt();
     noise_std.max(1e-9 * size).max(1e-100)
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     IdentifyError,
-    evaluation::{self, Point, SegmentEvaluation, Weights, squares},
+    evaluation::{self, Point, Weights, squares},
     optimiser::{
         descent::{Descent, End, SHORTER},
         noise_estimation::first_weights,
@@ -72,8 +72,7 @@ pub fn start_states(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Local>,
 /// A short head shows it whatever the parameters are.
 pub(crate) fn first(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Vec<f64>>, IdentifyError> {
     let mut point = Point { values: values.to_vec(), nuisance: evaluation::first_nuisance(problem, values)? };
-    let is_given = problem.options.start_state != StartState::Free;
-    if is_given || evaluation::is_linear(&problem.model.equations(values)?) {
+    if !has_heads(problem, values)? {
         return Ok(point.nuisance);
     }
     for rows in HEADS {
@@ -84,6 +83,12 @@ pub(crate) fn first(problem: &Problem<'_>, values: &[f64]) -> Result<Vec<Vec<f64
         point.nuisance = fitted.point.nuisance;
     }
     Ok(point.nuisance)
+}
+
+/// Whether start states are fitted to heads of the segments first: those of a model with force laws that are free.
+pub(crate) fn has_heads(problem: &Problem<'_>, values: &[f64]) -> Result<bool, IdentifyError> {
+    let is_free = problem.options.start_state == StartState::Free;
+    Ok(is_free && !evaluation::is_linear(&problem.model.equations(values)?))
 }
 
 /// Nuisance parameters fitted at given parameter values, by segment.
@@ -135,7 +140,7 @@ pub(crate) fn refit(problem: &Problem<'_>, at: &mut Descent) -> Result<(), Ident
     let still = vec![0.0; problem.free.len()];
     let mut share = 1.0;
     for _ in 0..MOST_START_STEPS {
-        if at.evaluated.iter().all(|result| predicted_decrease(result) <= SETTLED * result.weighted_squares) {
+        if at.evaluated.iter().all(|result| result.nuisance_gain() <= SETTLED * result.weighted_squares) {
             break;
         }
         let trial = moved(problem, at.linearisation(), &still, share);
@@ -156,10 +161,4 @@ pub(crate) fn refit(problem: &Problem<'_>, at: &mut Descent) -> Result<(), Ident
         }
     }
     Ok(())
-}
-
-/// Predicted decrease of a segment's sum of squares by a step of its nuisance parameters.
-pub(crate) fn predicted_decrease(result: &SegmentEvaluation) -> f64 {
-    let residual = result.factor.col(result.factor.ncols() - 1);
-    result.pivots.iter().flatten().map(|row| residual[*row].powi(2)).sum()
 }

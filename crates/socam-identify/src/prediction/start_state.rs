@@ -21,17 +21,47 @@ pub(crate) fn laws(
     (torque, derivative)
 }
 
-/// Equilibrium state at constant `inputs`, by Newton's method on A x + B u + H f(V x + W u) = 0; `None` where there is none, as for a
-/// free position. The direct effect of forces on port inputs (laws on massless nodes) is neglected.
+/// Steps of Newton's method, and of the fall where it fails.
+const NEWTON_STEPS: usize = 50;
+const FALL_STEPS: usize = 200;
+/// Growth of the time step of a fall.
+const GROWTH: f64 = 1.5;
+
+/// Equilibrium state at constant `inputs`: a state at which A x + B u + H f(V x + W u) = 0; `None` where there is none, as for a free
+/// position. The direct effect of forces on port inputs (laws on massless nodes) is neglected.
+///
+/// Newton's method fails where nothing holds the machine near a state of zero, as within a backlash. It is then let go: implicit Euler steps
+/// that grow (pseudo-transient continuation: C. T. Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35, 1998), until it has settled on
+/// what holds it.
 pub(crate) fn equilibrium(equations: &Equations, values: &[f64], inputs: &[f64]) -> Option<DVector<f64>> {
-    let u = DVector::from_column_slice(inputs);
-    let mut x = DVector::zeros(equations.state.nrows());
-    for _ in 0..50 {
-        let speeds = &equations.port * &x + &equations.port_input * &u;
-        let (torque, derivative) = laws(equations, values, &speeds);
-        let rate = &equations.state * &x + &equations.input * &u + &equations.force * torque;
-        let bend = DMatrix::from_diagonal(&derivative) * &equations.port;
-        let step = (&equations.state + &equations.force * bend).full_piv_lu().solve(&rate)?;
+    let start = DVector::zeros(equations.state.nrows());
+    settled(equations, values, inputs, start.clone()).or_else(|| {
+        let mut state = start;
+        // Short beside every time constant.
+        let mut step_s = 1e-3 / equations.state.amax().max(1e-3);
+        for _ in 0..FALL_STEPS {
+            let (rate, slope) = rate(equations, values, inputs, &state);
+            let each = DMatrix::identity(state.len(), state.len()) / step_s;
+            state += (each - slope).full_piv_lu().solve(&rate)?;
+            step_s *= GROWTH;
+            if !state.amax().is_finite() {
+                return None;
+            }
+        }
+        settled(equations, values, inputs, state)
+    })
+}
+
+/// Newton's method for the equilibrium.
+fn settled(
+    equations: &Equations,
+    values: &[f64],
+    inputs: &[f64],
+    mut x: DVector<f64>,
+) -> Option<DVector<f64>> {
+    for _ in 0..NEWTON_STEPS {
+        let (rate, slope) = rate(equations, values, inputs, &x);
+        let step = slope.full_piv_lu().solve(&rate)?;
         let size = step.amax();
         x -= step;
         if !size.is_finite() {
@@ -42,6 +72,21 @@ pub(crate) fn equilibrium(equations: &Equations, values: &[f64], inputs: &[f64])
         }
     }
     Some(x)
+}
+
+/// Rate of the state, and its derivative with respect to the state.
+fn rate(
+    equations: &Equations,
+    values: &[f64],
+    inputs: &[f64],
+    x: &DVector<f64>,
+) -> (DVector<f64>, DMatrix<f64>) {
+    let u = DVector::from_column_slice(inputs);
+    let seen = &equations.port * x + &equations.port_input * &u;
+    let (torque, derivative) = laws(equations, values, &seen);
+    let rate = &equations.state * x + &equations.input * &u + &equations.force * torque;
+    let bend = DMatrix::from_diagonal(&derivative) * &equations.port;
+    (rate, &equations.state + &equations.force * bend)
 }
 
 /// Derivative of [`equilibrium`] with respect to each parameter whose derivatives are given.

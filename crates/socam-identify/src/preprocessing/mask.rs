@@ -13,6 +13,8 @@ pub enum Reason {
     Saturated,
     /// Single output values that neither the model nor the neighbouring values explain: left out.
     Outliers,
+    /// A speed that was computed from an angle, which is an output too: left out.
+    Computed,
     /// Single input values that differ from their neighbours: replaced by interpolated values.
     #[serde(rename = "bridged")]
     Imputed,
@@ -105,6 +107,11 @@ impl LeftOut {
             }
             Reason::Outliers => {
                 format!("{recording}: {channel} has outliers {place}: {samples} {share} left out")
+            }
+            Reason::Computed => {
+                format!(
+                    "{recording}: {channel} is left out: it was computed from an angle that the model predicts too, and holds nothing that the angle does not"
+                )
             }
             Reason::Imputed => {
                 format!(

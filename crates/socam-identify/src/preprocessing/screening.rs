@@ -1,4 +1,4 @@
-//! Search of recordings for saturated outputs, failed reads of outputs and spikes of inputs, before any fit.
+//! Search of recordings for saturated outputs, failed reads of outputs, computed speeds and spikes of inputs, before any fit.
 
 use std::sync::Arc;
 
@@ -8,6 +8,7 @@ use socam_recording::{Dataset, check};
 use crate::{
     IdentifyError,
     preprocessing::{
+        computed,
         mask::{LeftOut, Mask, Reason, Rows, joined},
         segments::Segment,
         spikes,
@@ -18,7 +19,7 @@ use crate::{
 /// them below it, and their mean is too low.
 const BESIDE_SATURATION: u64 = 3;
 
-/// Searches all recordings for saturated outputs, failed reads of outputs and spikes of inputs, sets the masks of their segments, and returns
+/// Searches all recordings for saturated outputs, failed reads of outputs, computed speeds and spikes of inputs, sets the masks of their segments, and returns
 /// the reports.
 pub(crate) fn find(
     inputs: &[&Channel],
@@ -38,6 +39,11 @@ pub(crate) fn find(
             let rows = spikes::failed_reads(channel, dataset, &own().collect::<Vec<_>>())?;
             let rows = joined(rows.into_iter().map(|row| row..row + 1).collect());
             notes.extend(LeftOut::new(dataset, &channel.name, Reason::Outliers, &rows));
+            mask.add(output, rows);
+        }
+        for output in computed::find(outputs, dataset, &own().collect::<Vec<_>>(), &mask)? {
+            let rows = vec![0..dataset.rows()];
+            notes.extend(LeftOut::new(dataset, &outputs[output].name, Reason::Computed, &rows));
             mask.add(output, rows);
         }
         mask.imputed = spikes::find(inputs, dataset, &own().collect::<Vec<_>>())?;

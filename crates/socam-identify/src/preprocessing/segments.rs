@@ -79,6 +79,19 @@ impl Chunk {
     }
 }
 
+/// Values of a column as recorded.
+pub(crate) fn recorded(
+    dataset: &Dataset,
+    column: usize,
+    rows: Range<u64>,
+) -> Result<Vec<f64>, IdentifyError> {
+    let mut values = Vec::with_capacity((rows.end - rows.start) as usize);
+    for block in dataset.blocks_in(rows, &[column])? {
+        values.extend_from_slice(block?.columns[0].values());
+    }
+    Ok(values)
+}
+
 /// The segments of all recordings, none longer than `longest` rows. Sentences about gaps are appended to `warnings`.
 ///
 /// # Errors

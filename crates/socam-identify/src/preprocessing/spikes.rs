@@ -11,7 +11,13 @@ use rayon::prelude::*;
 use socam_model::{Channel, Quantity, Role};
 use socam_recording::Dataset;
 
-use crate::{IdentifyError, preprocessing::segments::Segment};
+use crate::{
+    IdentifyError,
+    preprocessing::{
+        repeats,
+        segments::{self, Segment},
+    },
+};
 
 /// Rows of a block. The standard deviation of the deviations is estimated block by block.
 const BLOCK: usize = 1024;
@@ -52,13 +58,22 @@ pub(crate) fn find(
     Ok(all)
 }
 
-/// Failed reads of an output: its rows, ascending.
+/// Failed reads of an output: spikes, and values that repeat the last one. Rows, ascending.
 pub(crate) fn failed_reads(
     output: &Channel,
     dataset: &Dataset,
     segments: &[&Segment],
 ) -> Result<Vec<u64>, IdentifyError> {
-    Ok(in_channel(output, dataset, segments)?.into_iter().map(|(row, _)| row).collect())
+    let mut rows = in_channel(output, dataset, segments)?.into_iter().map(|(row, _)| row).collect::<Vec<_>>();
+    let column = dataset.channel_index(&output.column)?;
+    for segment in segments {
+        let own = segment.first_row..segment.first_row + segment.rows;
+        let values = segments::recorded(dataset, column, own)?;
+        rows.extend(repeats::find(&values).into_iter().map(|k| segment.first_row + k as u64));
+    }
+    rows.sort_unstable();
+    rows.dedup();
+    Ok(rows)
 }
 
 /// Spikes of a channel; none where there are many.
@@ -86,10 +101,7 @@ fn in_segment(
     let (near, end) = (2 * NEAR as u64, segment.first_row + segment.rows);
     let first = segment.first_row.saturating_sub(near).max(segment.uninterrupted.start);
     let last = (end + near).min(segment.uninterrupted.end);
-    let mut values = Vec::with_capacity((last - first) as usize);
-    for block in dataset.blocks_in(first..last, &[column])? {
-        values.extend_from_slice(block?.columns[0].values());
-    }
+    let values = segments::recorded(dataset, column, first..last)?;
     let found = spikes_in(&values, role).into_iter().map(|(k, value)| (first + k as u64, value));
     Ok(found.filter(|(row, _)| (segment.first_row..end).contains(row)).collect())
 }

@@ -75,7 +75,7 @@ pub(crate) fn identification(
     let mut warnings = problem.warnings.clone();
     warnings.extend(problem.left_out.iter().map(LeftOut::sentence));
     warnings.extend(problem.misfits.iter().cloned());
-    warnings.extend(dead_channels(problem.model, &channels));
+    warnings.extend(dead_channels(problem, &channels));
     let sensor_noise = verdict::sensor_noise(problem)?;
     let mut fit = fit(problem.model, &channels, &weights.noise_std);
     fit.channels.iter_mut().zip(&sensor_noise).for_each(|((_, own), std)| own.sensor_noise_std = *std);

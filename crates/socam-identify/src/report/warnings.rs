@@ -1,19 +1,23 @@
 //! Warnings about channels without information, unexplained residuals, unresolved steps and local minima.
 
-use socam_model::Model;
-
 use crate::{
     budget::Cutoff,
     evaluation::{ChannelSums, SegmentEvaluation},
     optimiser::starts::Starts,
+    preprocessing::mask::Reason,
+    problem::Problem,
 };
 
 /// Share of samples with unresolved steps above which there is a warning.
 const MOST_UNRESOLVED: f64 = 1e-4;
 
-/// Warnings about outputs without values, or with a constant one.
-pub(crate) fn dead_channels(model: &Model, channels: &[ChannelSums]) -> Vec<String> {
-    let dead = model.outputs().zip(channels).filter_map(|(channel, sums)| {
+/// Warnings about outputs without values, or with a constant one. Those that were left out as a whole are reported as that.
+pub(crate) fn dead_channels(problem: &Problem<'_>, channels: &[ChannelSums]) -> Vec<String> {
+    let left_out = |name: &String| {
+        problem.left_out.iter().any(|note| note.reason == Reason::Computed && note.channel == *name)
+    };
+    let outputs = problem.model.outputs().zip(channels).filter(|(channel, _)| !left_out(&channel.name));
+    let dead = outputs.filter_map(|(channel, sums)| {
         let name = &channel.name;
         if sums.count == 0.0 {
             Some(format!("{name} holds no value: nothing was fitted to it"))

@@ -126,6 +126,28 @@ fn pieces_make_the_whole() {
     assert!(difference(&joined, &whole.outputs) < 1e-7);
 }
 
+/// Within the play of its gear nothing holds the load: at rest it hangs on one flank.
+#[test]
+fn a_weight_behind_a_backlash_has_a_state_of_rest() {
+    let model = Model::builtin("speed-o-cam").unwrap();
+    let model = model.with_effect("backlash", "mesh", &[("gap", 2e-3)]).unwrap();
+    for weight in [0.5, -0.5] {
+        let model = model.with_effect("constant_load", "load", &[("torque", weight)]).unwrap();
+        let predictor = Predictor::new(&model, &model.values(), 1e-3).unwrap();
+        let outputs =
+            predictor.run(&[&[0.0; 50]], &[Intersample::Linear], Start::Equilibrium).unwrap().outputs;
+        for (channel, values) in model.outputs().zip(&outputs) {
+            let expected = match channel.name.as_str() {
+                "output_speed" => 0.0,
+                "torque_out" => weight,
+                _ => weight / 8.0,
+            };
+            let off = values.iter().map(|value| (value - expected).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-7, "{}: {off}", channel.name);
+        }
+    }
+}
+
 #[test]
 fn what_does_not_fit_is_refused() {
     let model = Model::builtin("speed-o-cam").unwrap();
