@@ -42,7 +42,7 @@ pub(crate) fn find(
             mask.add(output, rows);
         }
         for output in computed::find(outputs, dataset, &own().collect::<Vec<_>>(), &mask)? {
-            let rows = vec![0..dataset.rows()];
+            let rows: Rows = std::iter::once(0..dataset.rows()).collect();
             notes.extend(LeftOut::new(dataset, &outputs[output].name, Reason::Computed, &rows));
             mask.add(output, rows);
         }
