@@ -98,22 +98,16 @@ fn size(document: &Value, effect: &str) -> (f64, [f64; 2]) {
 fn a_servo_axis_is_found_to_rub_and_to_be_pulled_one_way() {
     let Some(data) = data_set("emps") else { return };
     let folder = tempfile::tempdir().unwrap();
-    let [train, test] =
-        ["emps_train", "emps_test_pulses"].map(|name| format!("{}/{name}.csv", data.display()));
+    let [train, test] = emps(&data);
     let model = file(folder.path(), AXIS);
-    let arguments = ["diagnose", &train, "--holdout", &test, "--model", &model, "--most", "2", "--json"];
-    let document = run(arguments).json();
+    let document = servo_axis(&[train.clone(), test.clone()], &model);
     let found = found(&document);
     assert!(found.contains(&("coulomb_friction", "guide")), "{found:?}");
     let (torque, _) = size(&document, "coulomb_friction");
     assert!((torque - 20.39).abs() < 1.0, "{torque}");
-    let parameter = |name: &str, when: &str| {
-        let own = document["parameters"].as_array().unwrap().iter().find(|p| p["name"] == name).unwrap();
-        own[when].as_f64().unwrap()
-    };
-    let (mass, viscous) = (parameter("mass", "after"), parameter("viscous", "after"));
+    let (mass, viscous) = (parameter(&document, "mass", "after"), parameter(&document, "viscous", "after"));
     assert!((mass - 95.1).abs() < 1.0, "{mass}");
-    assert!((parameter("viscous", "before") - 203.5).abs() > 100.0);
+    assert!((parameter(&document, "viscous", "before") - 203.5).abs() > 100.0);
     // At half and at the whole of the largest speed; the two coefficients alone are less certain than their sum.
     for speed in [0.05, 0.1] {
         let (found, published) = (torque + viscous * speed, 20.39 + 203.5 * speed);
@@ -136,6 +130,30 @@ fn a_servo_axis_is_found_to_rub_and_to_be_pulled_one_way() {
             "{model}: {errors:?}"
         );
     }
+}
+
+#[test]
+#[ignore = "not reached: 214.2 N s/m, 10.7 from what was published; until the fits converged by their start states too it was 211.4"]
+fn a_servo_axis_has_the_published_viscous_friction() {
+    let Some(data) = data_set("emps") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let document = servo_axis(&emps(&data), &file(folder.path(), AXIS));
+    let viscous = parameter(&document, "viscous", "after");
+    assert!((viscous - 203.5).abs() < 10.0, "{viscous}");
+}
+
+/// The training and the held-out recording of the servo axis.
+fn emps(data: &Path) -> [String; 2] {
+    ["emps_train", "emps_test_pulses"].map(|name| format!("{}/{name}.csv", data.display()))
+}
+
+fn servo_axis([train, test]: &[String; 2], model: &str) -> Value {
+    run(["diagnose", train, "--holdout", test, "--model", model, "--most", "2", "--json"]).json()
+}
+
+fn parameter(document: &Value, name: &str, when: &str) -> f64 {
+    let own = document["parameters"].as_array().unwrap().iter().find(|p| p["name"] == name).unwrap();
+    own[when].as_f64().unwrap()
 }
 
 #[test]

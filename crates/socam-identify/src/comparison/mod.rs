@@ -106,15 +106,12 @@ pub fn measure(
     let problem = levels::without_parameters(problem);
     let Some(point) = begin(&problem, values, None)? else { return Ok(None) };
     let weights = noise_model.weights(&problem, values);
-    let mut best = nuisance::with_nuisance_fitted(&problem, point, weights.clone())?;
+    let mut fits = vec![nuisance::with_nuisance_fitted(&problem, point, weights.clone())?];
     // Start states of a model with force laws may end in a local minimum: they are also fitted from those of short heads.
     if nuisance::has_heads(&problem, values)? {
         let point = Point { values: values.to_vec(), nuisance: nuisance::first(&problem, values)? };
-        let other = nuisance::with_nuisance_fitted(&problem, point, weights)?;
-        let (cost, least) = [&other, &best].map(|at| at.as_ref().map_or(f64::INFINITY, |at| at.cost)).into();
-        if cost < least {
-            best = other;
-        }
+        fits.push(nuisance::with_nuisance_fitted(&problem, point, weights)?);
     }
+    let best = fits.into_iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost));
     Ok(best.map(|at| model_evaluation::measured(&problem, &at.point, &at.evaluated, true)))
 }
