@@ -26,7 +26,7 @@ impl WatchArgs {
 
     /// Computes the baseline of the healthy recordings, if any are given, and prints its summary.
     pub(crate) fn baseline(&self, model: &Model) -> anyhow::Result<Option<Baseline>> {
-        let healthy = output::open_all(Grid::Fit(model), &self.baseline)?;
+        let healthy = output::open_all(Grid::Even(model), &self.baseline)?;
         let baseline = self.watching.baseline(model, &healthy)?;
         baseline.iter().for_each(|baseline| say_baseline(baseline.summary()));
         Ok(baseline)

@@ -91,14 +91,14 @@ pub(crate) fn open(run: &str) -> anyhow::Result<Dataset> {
     Ok(data)
 }
 
-/// Opens a recording on a regular grid and prints its warnings.
+/// Opens a recording for a task and prints its warnings.
 pub(crate) fn open_on(grid: Grid<'_>, run: &str) -> Result<Dataset, JobError> {
     let data = grid.open(run)?;
     say_warnings(run, &data);
     Ok(data)
 }
 
-/// Opens several recordings on a regular grid and prints their warnings.
+/// Opens several recordings for a task and prints their warnings.
 pub(crate) fn open_all(grid: Grid<'_>, runs: &[String]) -> Result<Vec<Dataset>, JobError> {
     runs.iter().map(|run| open_on(grid, run)).collect()
 }

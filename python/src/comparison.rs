@@ -40,7 +40,7 @@ pub(crate) fn compare(
     let (measured, simulated) = (recording.get().data.clone(), simulation.get().data.clone());
     let done = waiting::run(py, None, move |_| {
         let driven =
-            model.map(|model| Ok::<_, JobError>((Grid::Fit(&model).apply(measured.clone())?, model)));
+            model.map(|model| Ok::<_, JobError>((Grid::Even(&model).apply(measured.clone())?, model)));
         let driven = driven.transpose()?;
         task.run(
             &Grid::View.apply(measured)?,

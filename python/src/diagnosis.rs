@@ -76,7 +76,7 @@ pub(crate) fn diagnose(
     let model = task.model.changed(model.0.clone()).map_err(Raised::raised)?;
     let (training, holdout) = (all(&recordings), all(&holdout));
     let done = waiting::run(py, progress.as_ref(), move |shared| {
-        let training = Grid::Diagnosis(&model).apply_all(training)?;
+        let training = Grid::Fit.apply_all(training)?;
         let holdout = holdout.into_iter().map(HeldOutRecording::Open).collect();
         task.run(model, &training, holdout, waiting::watch(shared))
     })?;

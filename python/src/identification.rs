@@ -44,7 +44,7 @@ pub(crate) fn identify(
     let model = task.calibrated(model, recording::paths(&recordings)).map_err(Raised::raised)?;
     let (training, holdout) = (all(&recordings), all(&holdout));
     let done = waiting::run(py, progress.as_ref(), move |shared| {
-        let grid = Grid::Fit(&model.model);
+        let grid = Grid::Fit;
         let (training, holdout) = (grid.apply_all(training)?, grid.apply_all(holdout)?);
         let mut done = task.run(&model, &training, &holdout, waiting::watch(shared))?;
         done.result.warnings.splice(0..0, model.warnings);

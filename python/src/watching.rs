@@ -25,7 +25,7 @@ pub(crate) fn watch(
     let model = task.model.changed(model.0.clone()).map_err(Raised::raised)?;
     let (data, healthy) = (all(&recordings), all(&baseline));
     let done = waiting::run(py, None, move |_| {
-        let grid = Grid::Fit(&model);
+        let grid = Grid::Even(&model);
         let known = task.watching.baseline(&model, &grid.apply_all(healthy)?)?;
         let data = grid.apply_all(data)?;
         let each = data.iter().map(|data| Ok(task.run(&model, known.clone(), data)?.0));

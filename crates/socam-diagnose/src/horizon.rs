@@ -41,7 +41,7 @@ impl Path {
     /// The selection on parts of this many samples; `None` where no effect was added.
     fn on_parts(&self, context: &Context<'_>, samples: usize) -> Result<Option<Self>, IdentifyError> {
         let parts: Result<Vec<Dataset>, RecordingError> =
-            context.training.iter().map(|dataset| in_parts(dataset, samples)).collect();
+            context.training.iter().map(|dataset| dataset.in_parts(samples as u64)).collect();
         let parts = parts?;
         let fit = FitOptions { start_state: StartState::Free, ..context.fit.clone() };
         let model = &self.base.model;
@@ -75,37 +75,5 @@ impl Path {
         path.renew_noise(context)?;
         path.eliminate(context, path.terms.len())?;
         Ok(Some(path).filter(|path| path.noise.excess() < FAR_BEYOND_NOISE))
-    }
-}
-
-/// The recording without the last sample of each part: a gap starts a new segment, which has a start state of its own. Time and angles are
-/// those of the whole recording.
-fn in_parts(dataset: &Dataset, samples: usize) -> Result<Dataset, RecordingError> {
-    let loaded = dataset.load_all()?;
-    let kept = |values: &[f64]| -> Vec<f64> {
-        let rows = values.iter().enumerate().filter(|(row, _)| row % samples != samples - 1);
-        rows.map(|(_, value)| *value).collect()
-    };
-    let columns = loaded.columns.iter().map(|column| kept(column.values())).collect();
-    Dataset::from_columns(dataset.name(), dataset.channels().to_vec(), kept(&loaded.time_s), columns)
-}
-
-#[cfg(test)]
-mod tests {
-    use socam_recording::{Channel, Unit};
-
-    use super::*;
-
-    #[test]
-    fn parts_are_segments_at_their_own_times() {
-        let time_s: Vec<f64> = (0..100).map(|k| 0.01 * f64::from(k)).collect();
-        let angle = time_s.iter().map(|t| 3.0 * t).collect();
-        let channels = vec![Channel::new("angle", Unit::Rad)];
-        let whole = Dataset::from_columns("run", channels, time_s, vec![angle]).unwrap();
-        let parts = in_parts(&whole, 40).unwrap();
-        assert_eq!(parts.segments().iter().map(|part| part.rows).collect::<Vec<_>>(), [39, 39, 20]);
-        let loaded = parts.load(&["angle_rad"]).unwrap();
-        let (time_s, angle) = (&loaded.time_s, loaded.columns[0].values());
-        assert!(time_s.iter().zip(angle).all(|(t, angle)| (angle - 3.0 * t).abs() < 1e-12));
     }
 }

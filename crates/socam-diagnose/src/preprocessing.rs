@@ -3,7 +3,7 @@
 use socam_identify::{IdentifyError, LeftOut, NoiseLevels, Options, Problem, outliers};
 use socam_model::{self as model, Model};
 use socam_recording::{
-    Channel, Dataset, RecordingError,
+    Dataset, RecordingError,
     check::{Held, HeldAt, held},
 };
 
@@ -145,7 +145,7 @@ pub(crate) fn heads(datasets: &[Dataset], most: u64) -> Result<Vec<Dataset>, Rec
         let rows = (dataset.rows() as f64 * most as f64 / all as f64).ceil() as u64;
         let loaded = dataset.load_rows(0..rows)?;
         let columns = loaded.columns.iter().map(|column| column.values().to_vec()).collect();
-        Dataset::from_columns(dataset.name(), dataset.channels().to_vec(), loaded.time_s, columns)
+        dataset.with_columns(loaded.time_s, columns)
     };
     datasets.iter().map(head).collect()
 }
@@ -155,7 +155,6 @@ pub(crate) fn masked<'c>(
     dataset: &Dataset,
     rows: impl Iterator<Item = (&'c str, Vec<std::ops::Range<u64>>)>,
 ) -> Result<Dataset, RecordingError> {
-    let channels: Vec<Channel> = dataset.channels().to_vec();
     let loaded = dataset.load_all()?;
     let mut columns: Vec<Vec<f64>> = loaded.columns.iter().map(|column| column.values().to_vec()).collect();
     for (column, rows) in rows {
@@ -164,12 +163,12 @@ pub(crate) fn masked<'c>(
             columns[column][rows.start as usize..rows.end as usize].fill(f64::NAN);
         }
     }
-    Dataset::from_columns(dataset.name(), channels, loaded.time_s, columns)
+    dataset.with_columns(loaded.time_s, columns)
 }
 
 #[cfg(test)]
 mod tests {
-    use socam_recording::Unit;
+    use socam_recording::{Channel, Unit};
 
     use super::*;
 

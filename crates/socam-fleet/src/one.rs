@@ -108,7 +108,7 @@ fn run(
 ) -> Result<(), End> {
     let opened = socam_import::open_selection(&Selection::whole(path));
     let data = opened.map_err(|error| End::new(Status::Unreadable, error))?;
-    let data = Grid::Diagnosis(model).apply(data);
+    let data = Grid::Fit.apply(data);
     let data = data.map_err(|error| End::new(Status::Unreadable, error))?;
     row.machine = source.machine.clone().or_else(|| labels::machine_of_log(&data)).or(row.machine.take());
     row.date = source.date.or_else(|| labels::date_of_log(&data)).or(row.date);

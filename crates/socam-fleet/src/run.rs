@@ -91,7 +91,7 @@ pub fn reference(
         let wrong = |message: String| FleetError::Reference { recording: source.name.clone(), message };
         let opened = source.with_path(|path| {
             let data = socam_import::open_selection(&Selection::whole(path)).map_err(|e| e.to_string())?;
-            Grid::Diagnosis(model).apply(data).map_err(|e| e.to_string())
+            Grid::Fit.apply(data).map_err(|e| e.to_string())
         });
         let data = opened.map_err(|e| wrong(e.to_string()))?.map_err(wrong)?;
         Frozen::of(model, &data, &options.diagnosis(seed)).map_err(|e| wrong(e.to_string()))

@@ -4,9 +4,9 @@ use socam_recording::Dataset;
 use socam_spectrum::square_within;
 
 use crate::{
-    IdentifyError, Predictor, Problem, Start, StartState,
+    IdentifyError, Problem,
     optimiser::nuisance,
-    preprocessing::segments::{self, Chunk},
+    prediction::replay::{Replay, replay},
 };
 
 /// A band of frequencies, including both ends.
@@ -124,45 +124,15 @@ pub fn evaluate_band(
     let nuisance = nuisance::fitted_nuisance(problem, values)?;
     let mut sums = vec![Sums::default(); problem.outputs()];
     for (index, nuisance) in nuisance.iter().enumerate() {
-        let (measured, predicted) = run(problem, values, index, nuisance)?;
-        let sample_time_s = problem.segments[index].sample_time_s;
+        let segment = &problem.segments[index];
+        let Replay { measured, predicted, .. } = replay(problem, problem.model, values, segment, nuisance)?;
+        let sample_time_s = segment.sample_time_s;
         for ((sums, measured), predicted) in sums.iter_mut().zip(&measured).zip(&predicted) {
             sums.add_segment(band, sample_time_s, measured, predicted);
         }
     }
     let names = problem.model.outputs().map(|channel| channel.name.clone());
     Ok(names.zip(sums.iter().map(Sums::fit)).collect())
-}
-
-/// Outputs of a segment: measured, and predicted without offsets.
-type Outputs = (Vec<Vec<f64>>, Vec<Vec<f64>>);
-
-fn run(
-    problem: &Problem<'_>,
-    values: &[f64],
-    index: usize,
-    nuisance: &[f64],
-) -> Result<Outputs, IdentifyError> {
-    let segment = &problem.segments[index];
-    let dataset = &problem.datasets[segment.recording];
-    let mut whole = Chunk::default();
-    segments::read(problem.model, dataset, segment, &problem.intersample, |chunk| {
-        append(&mut whole.inputs, &chunk.inputs);
-        append(&mut whole.outputs, &chunk.outputs);
-    })?;
-    let predictor = Predictor::new(problem.model, values, segment.sample_time_s)?;
-    let start = match problem.options.start_state {
-        StartState::Free => Start::State(&nuisance[..predictor.states()]),
-        StartState::Equilibrium => Start::Equilibrium,
-    };
-    let inputs: Vec<&[f64]> = whole.inputs.iter().map(Vec::as_slice).collect();
-    let prediction = predictor.run(&inputs, &problem.intersample, start)?;
-    Ok((whole.outputs, prediction.outputs))
-}
-
-fn append(all: &mut Vec<Vec<f64>>, more: &[Vec<f64>]) {
-    all.resize(more.len(), Vec::new());
-    all.iter_mut().zip(more).for_each(|(all, more)| all.extend_from_slice(more));
 }
 
 /// Sums over one channel: squares within the band, and samples.

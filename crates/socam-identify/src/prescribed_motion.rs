@@ -14,7 +14,7 @@ use crate::{
         laws::{INACTIVE, PortLaw},
         newton::{self, Workspace},
     },
-    preprocessing::filters,
+    preprocessing::{filters, segments::evenly},
 };
 
 /// Largest bandwidth of the motion that is used, Hz, and its largest share of the sample rate. Noise of the acceleration grows with the
@@ -110,6 +110,7 @@ impl PrescribedMotion {
     fn add(&mut self, model: &Model, dataset: &Dataset) -> Result<(), IdentifyError> {
         let channels: Vec<_> = model.outputs().nth(self.angle).into_iter().chain(model.inputs()).collect();
         let names: Vec<&str> = channels.iter().map(|channel| channel.column.as_str()).collect();
+        let dataset = evenly(dataset)?;
         let loaded = dataset.load(&names)?;
         for segment in dataset.segments() {
             let rows = segment.first_row as usize..segment.end_row() as usize;

@@ -62,7 +62,7 @@ impl Compared {
 
 impl Compare {
     /// Compares a recording on the grid [`View`](crate::Grid::View) with a simulation, and this simulation with that of a model, which is
-    /// driven by the recording's inputs on the grid [`Fit`](crate::Grid::Fit).
+    /// driven by the recording's inputs on the grid [`Even`](crate::Grid::Even).
     ///
     /// # Errors
     /// When they have no channel or too little time in common, or the model cannot be simulated.

@@ -88,7 +88,7 @@ pub struct Diagnosed {
     pub held_out: Vec<Dataset>,
 }
 
-/// A held-out recording. It is read and put on a grid after the last choice.
+/// A held-out recording. It is read after the last choice.
 pub enum HeldOutRecording {
     /// A file, or a part of one: `RUN@FROM..TO` in seconds.
     File(String),
@@ -158,7 +158,7 @@ impl Diagnose {
         }
     }
 
-    /// Diagnoses a model by recordings on the grid [`Diagnosis`](crate::Grid::Diagnosis). Held-out recordings are put on it when they are
+    /// Diagnoses a model by recordings on the grid [`Fit`](crate::Grid::Fit). Held-out recordings are opened likewise when they are
     /// opened.
     ///
     /// # Errors
@@ -177,7 +177,7 @@ impl Diagnose {
             opened.lock().unwrap_or_else(PoisonError::into_inner).push(data.clone());
             data
         };
-        let grid = Grid::Diagnosis(&model);
+        let grid = Grid::Fit;
         let held_out = held_out.into_iter().fold(HeldOut::none(), |all, recording| match recording {
             HeldOutRecording::File(run) => all.with(run.clone(), move || grid.open(&run).map(keep)),
             HeldOutRecording::Open(data) => all.with_dataset(data, move |data| grid.apply(data).map(keep)),

@@ -1,24 +1,24 @@
-//! Grids for tasks: irregular samples of recordings are put on a regular grid.
+//! Grids for tasks: irregular samples of recordings are left as they are, or put on a regular grid.
 
 use socam_model::{Intersample, Model};
 use socam_recording::{Carry, Channel, Dataset, RecordingError};
 
 use crate::error::Result;
 
-/// Points of a fit's grid for each irregular sample, if inputs have corners at their samples.
-const PARTS_OF_A_FIT: u32 = 4;
+/// Points of an even grid for each irregular sample, if inputs have corners at their samples.
+const PARTS: u32 = 4;
 
 /// Purpose for which a recording is opened; it determines the grid.
 #[derive(Debug, Clone, Copy)]
 pub enum Grid<'m> {
     /// For display: all channels are interpolated.
     View,
-    /// For a fit of this model. Inputs with corners at their samples (hold, linear) need points between samples, so that the corners keep
-    /// their times: four points per sample. Outputs count at their own samples only.
-    Fit(&'m Model),
-    /// For a diagnosis of this model: one point per sample. On a finer grid outputs would be missing at most points, but the diagnosis
-    /// computes their spectra, which need all points.
-    Diagnosis(&'m Model),
+    /// For fits and diagnoses: samples stay where they are, and are integrated from stamp to stamp.
+    Fit,
+    /// For what needs a constant rate: a simulation that is driven by this model's inputs, or a watch. Inputs with corners at their samples
+    /// (hold, linear) need points between samples, so that the corners keep their times: four points per sample. Outputs count at their
+    /// own samples only.
+    Even(&'m Model),
 }
 
 impl Grid<'_> {
@@ -37,8 +37,8 @@ impl Grid<'_> {
     pub fn apply(self, data: Dataset) -> std::result::Result<Dataset, RecordingError> {
         match self {
             Self::View => data.regular(),
-            Self::Fit(model) => on_regular_grid(data, model, PARTS_OF_A_FIT),
-            Self::Diagnosis(model) => on_regular_grid(data, model, 1),
+            Self::Fit => on_stamps(data),
+            Self::Even(model) => on_regular_grid(data, model),
         }
     }
 
@@ -51,9 +51,15 @@ impl Grid<'_> {
     }
 }
 
-/// A recording for a fit of `model`: irregular samples are put on a regular grid, with `parts` points per sample if the model has inputs
-/// with corners at their samples.
-fn on_regular_grid(data: Dataset, model: &Model, parts: u32) -> std::result::Result<Dataset, RecordingError> {
+/// A recording for a fit: irregular samples that were taken evenly get even times, others are left to be integrated from stamp to stamp.
+fn on_stamps(data: Dataset) -> std::result::Result<Dataset, RecordingError> {
+    let data = data.on_even_times()?;
+    if data.steps()?.are_irregular() { data.on_its_stamps() } else { Ok(data) }
+}
+
+/// A recording for a simulation of `model`: irregular samples are put on a regular grid, with several points per sample if the model has
+/// inputs with corners at their samples.
+fn on_regular_grid(data: Dataset, model: &Model) -> std::result::Result<Dataset, RecordingError> {
     let data = data.on_even_times()?;
     if !data.steps()?.are_irregular() {
         return Ok(data);
@@ -73,5 +79,5 @@ fn on_regular_grid(data: Dataset, model: &Model, parts: u32) -> std::result::Res
             Some(Intersample::BandLimited) => Carry::Smooth,
         }
     };
-    data.on_regular_grid(if bends { parts } else { 1 }, carry)
+    data.on_regular_grid(if bends { PARTS } else { 1 }, carry)
 }

@@ -3,7 +3,7 @@
 //! A task is a struct of settings: [`Check`], [`Identify`], [`Response`], [`Diagnose`], [`Compare`], [`Watch`], [`Simulate`], [`Design`],
 //! [`FleetRow`] and [`Record`]. Only the struct describes the task's options: the command line flattens it, [`options::from_keywords`]
 //! reads it from keywords, [`options::describe`] describes its form for a window, and [`options::command_line`] writes it as a command. A
-//! task runs on a model and on recordings in memory; [`Grid`] opens them and puts irregular samples on a regular grid. Results have
+//! task runs on a model and on recordings in memory; [`Grid`] opens them as the task needs their samples. Results have
 //! `document()`, the JSON contract.
 //!
 //! A new option is a field of one struct here. Nothing here prints.

@@ -161,7 +161,7 @@ impl Simulate {
     ) -> Result<(Dataset, Replayed)> {
         let mut truth = self.bench.truth(model)?;
         set_between(&mut truth.model, &self.between)?;
-        let data = open(Grid::Fit(&truth.model))?;
+        let data = open(Grid::Even(&truth.model))?;
         // Without the outputs, or far from the recording, nothing is settled.
         if let Ok(settled) =
             socam_identify::settled_inputs(&truth.model, std::slice::from_ref(&data), Options::default())

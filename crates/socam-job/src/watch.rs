@@ -46,7 +46,7 @@ impl Watching {
         }
     }
 
-    /// The baseline of healthy recordings on the grid [`Fit`](crate::Grid::Fit); `None` of none.
+    /// The baseline of healthy recordings on the grid [`Even`](crate::Grid::Even); `None` of none.
     ///
     /// # Errors
     /// When they are too short, or the model cannot be evaluated on them.
@@ -76,7 +76,7 @@ impl Settings for Watch {
 }
 
 impl Watch {
-    /// Watches a recording on the grid [`Fit`](crate::Grid::Fit) from its beginning to its end; the events are in order of time.
+    /// Watches a recording on the grid [`Even`](crate::Grid::Even) from its beginning to its end; the events are in order of time.
     ///
     /// # Errors
     /// When the recording cannot be read, or the model cannot be evaluated on it.

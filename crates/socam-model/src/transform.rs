@@ -3,6 +3,8 @@
 //! A bench with encoders records angles. The prescribed speed of its motor, or a torque that repeats with each turn of a shaft, is computed
 //! from them here, so that no recording has to be rewritten.
 
+mod uneven;
+
 /// Number of samples on either side that a rate uses.
 const REACH: usize = 8;
 
@@ -81,6 +83,16 @@ impl ChannelTransform {
             Self::Sin(order) => column.iter().map(|value| (order * value).sin()).collect(),
             Self::Elapsed => (0..column.len()).map(|k| start.time_s + k as f64 * sample_time_s).collect(),
             Self::Integral => integral(column, sample_time_s, start.integral),
+        }
+    }
+
+    /// [`Self::apply`] for samples at these times, s.
+    pub(crate) fn apply_at(self, column: &[f64], time_s: &[f64], start: TransformStart) -> Vec<f64> {
+        match self {
+            Self::Rate => uneven::rate(column, time_s),
+            Self::Integral => uneven::integral(column, time_s, start.integral),
+            Self::Elapsed => time_s.to_vec(),
+            Self::Value | Self::Cos(_) | Self::Sin(_) => self.apply(column, 1.0, start),
         }
     }
 }

@@ -36,6 +36,8 @@ impl Segment {
 /// Finds segments in one pass over the times.
 #[derive(Debug)]
 pub(crate) struct SegmentFinder {
+    /// A step longer than this many sample times is a gap.
+    gap_steps: f64,
     /// The first times, until the sample time is known.
     waiting: Vec<f64>,
     sample_time_s: Option<f64>,
@@ -79,7 +81,11 @@ impl Open {
 
 impl SegmentFinder {
     pub(crate) fn new() -> Self {
-        Self { waiting: Vec::new(), sample_time_s: None, done: Vec::new(), open: None, rows: 0 }
+        Self::with_gaps(GAP_STEPS)
+    }
+
+    pub(crate) fn with_gaps(gap_steps: f64) -> Self {
+        Self { gap_steps, waiting: Vec::new(), sample_time_s: None, done: Vec::new(), open: None, rows: 0 }
     }
 
     /// Appends the next row's time, which must be later than all before.
@@ -123,7 +129,7 @@ impl SegmentFinder {
             return;
         };
         let step_s = time_s - open.end_s;
-        if step_s > GAP_STEPS * sample_time_s {
+        if step_s > self.gap_steps * sample_time_s {
             let closed = self.open.replace(Open::new(row, time_s));
             self.done.extend(closed.map(|open| open.close(sample_time_s)));
             return;

@@ -41,8 +41,9 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let model = args.task.model.as_deref().map(socam_job::load_model).transpose()?;
     let recording = output::open_on(Grid::View, &args.run)?;
     let simulation = output::open(&args.simulation)?;
-    let driven =
-        model.as_ref().map(|model| Ok::<_, JobError>((model, output::open_on(Grid::Fit(model), &args.run)?)));
+    let driven = model
+        .as_ref()
+        .map(|model| Ok::<_, JobError>((model, output::open_on(Grid::Even(model), &args.run)?)));
     let driven = driven.transpose()?;
     let driven = driven.as_ref().map(|(model, inputs)| (*model, inputs));
     let done = args.task.run(&recording, simulation.clone(), driven)?;

@@ -71,7 +71,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         let tables = args.runs.iter().map(table).collect::<Result<Vec<_>, _>>()?;
         (args.task.run_steady(model, &tables)?, Vec::new())
     } else {
-        let training = output::open_all(Grid::Diagnosis(&model), &args.runs)?;
+        let training = output::open_all(Grid::Fit, &args.runs)?;
         let held_out = args.holdout.iter().cloned().map(HeldOutRecording::File).collect();
         let done = watch::fit(&interrupt, args.progress, |progress| {
             args.task.run(model, &training, held_out, progress)

@@ -88,7 +88,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let target = args.write_model.as_deref().map(|path| ModelFile::create(path, args.force, &interrupt));
     let target = target.transpose()?;
     inputs::refuse_fitted(&args.runs, &args.validate)?;
-    let grid = Grid::Fit(&model.model);
+    let grid = Grid::Fit;
     let (training, held_out) = (output::open_all(grid, &args.runs)?, output::open_all(grid, &args.validate)?);
     let done = watch::fit(&interrupt, args.progress, |progress| {
         args.task.run(&model, &training, &held_out, progress)

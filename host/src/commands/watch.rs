@@ -37,7 +37,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut outcome = Outcome::Done;
     let mut recordings = Vec::new();
     for run in &args.runs {
-        let data = output::open_on(Grid::Fit(&model), run)?;
+        let data = output::open_on(Grid::Even(&model), run)?;
         if Outcome::on([&data]) == Outcome::LostSamples {
             outcome = Outcome::LostSamples;
         }

@@ -82,7 +82,7 @@ pub(crate) struct Fit {
 impl Trial {
     pub(crate) fn run(rig: Rig) -> Result<Self, String> {
         let (base, truth) = rig.models()?;
-        let data = Grid::Fit(&base).apply_all(rig.recordings()?).map_err(|error| error.to_string())?;
+        let data = Grid::Fit.apply_all(rig.recordings()?).map_err(|error| error.to_string())?;
         let clock = ThreadTime::now();
         // As `identify` does.
         let options = Options { try_other_intersamples: true, ..Options::default() };

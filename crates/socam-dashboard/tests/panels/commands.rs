@@ -75,7 +75,7 @@ fn a_watch_has_the_settings_and_the_alarms_of_its_command() {
     assert_eq!((task.watching.false_alarms_per_hour, task.watching.block_s), (0.2, Some(0.1)));
 
     let model = task.model.load().unwrap();
-    let open = |run: &String| Grid::Fit(&model).open(run).unwrap();
+    let open = |run: &String| Grid::Even(&model).open(run).unwrap();
     let baseline = task.watching.baseline(&model, &[open(first), open(second)]).unwrap();
     let (watched, _) = task.run(&model, baseline, &open(run)).unwrap();
     assert!(!watched.alarms.is_empty());

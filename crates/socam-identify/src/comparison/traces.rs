@@ -8,10 +8,9 @@ use crate::{
     comparison::Evaluation,
     prediction::{
         modal,
-        predictor::{Predictor, Start},
+        replay::{Replay, replay},
     },
-    preprocessing::segments,
-    problem::{Problem, StartState},
+    problem::Problem,
 };
 
 /// Signals of one segment of a recording.
@@ -54,28 +53,10 @@ pub fn traces(
     observer: Option<&Model>,
 ) -> Result<Vec<Traces>, IdentifyError> {
     let each = problem.segments.par_iter().zip(&at.nuisance).map(|(segment, nuisance)| {
-        let mut own = Traces {
-            recording: segment.recording,
-            time_s: Vec::new(),
-            inputs: vec![Vec::new(); problem.model.inputs().count()],
-            measured: vec![Vec::new(); problem.outputs()],
-            predicted: Vec::new(),
-        };
-        let dataset = &problem.datasets[segment.recording];
-        segments::read(problem.model, dataset, segment, &problem.intersample, |chunk| {
-            own.inputs.iter_mut().zip(&chunk.inputs).for_each(|(all, more)| all.extend(more));
-            own.measured.iter_mut().zip(&chunk.outputs).for_each(|(all, more)| all.extend(more));
-        })?;
-        let rows = segment.first_row..segment.first_row + segment.rows;
-        own.time_s = rows.map(|row| segment.origin_s + row as f64 * segment.sample_time_s).collect();
         let model = observer.unwrap_or(problem.model);
-        let predictor = Predictor::new(model, &at.values, segment.sample_time_s)?;
-        let inputs: Vec<&[f64]> = own.inputs.iter().map(Vec::as_slice).collect();
-        let start = match problem.options.start_state {
-            StartState::Free => Start::State(&nuisance[..predictor.states()]),
-            StartState::Equilibrium => Start::Equilibrium,
-        };
-        own.predicted = predictor.run(&inputs, &problem.intersample, start)?.outputs;
+        let Replay { inputs, measured, predicted } = replay(problem, model, &at.values, segment, nuisance)?;
+        let (recording, dataset) = (segment.recording, &problem.datasets[segment.recording]);
+        let mut own = Traces { recording, time_s: segment.times_s(dataset)?, inputs, measured, predicted };
         if observer.is_some() {
             return Ok(own);
         }

@@ -19,7 +19,7 @@ use crate::{
     IdentifyError,
     evaluation::start::law_states,
     noise::prewhitening,
-    prediction::{modal::Modal, sensitivity_integrator::SensitivityIntegrator},
+    prediction::{exponential::SampleSteps, modal::Modal, sensitivity_integrator::SensitivityIntegrator},
     problem::{Problem, StartState},
 };
 
@@ -86,25 +86,25 @@ fn evaluated(
     let linear = is_linear(&equations);
     let modal = if linear { Modal::new(problem, &equations, &sensitivities, point, weights) } else { None };
     // One integrator per sample time: making one costs more than evaluating a short segment.
-    let mut integrators: Vec<(f64, Option<SensitivityIntegrator<'_>>)> = Vec::new();
+    let mut integrators: Vec<(SampleSteps, Option<SensitivityIntegrator<'_>>)> = Vec::new();
     for segment in problem.segments.iter().filter(|_| modal.is_none()) {
-        let time_s = segment.sample_time_s;
-        if integrators.iter().all(|(known_s, _)| *known_s != time_s) {
+        let steps = segment.steps();
+        if integrators.iter().all(|(known, _)| *known != steps) {
             let integrator =
-                SensitivityIntegrator::new(problem, &equations, &sensitivities, point, weights, time_s);
-            integrators.push((time_s, integrator));
+                SensitivityIntegrator::new(problem, &equations, &sensitivities, point, weights, steps);
+            integrators.push((steps, integrator));
         }
     }
     let one = |index: usize| -> Result<Option<SegmentEvaluation>, IdentifyError> {
         problem.options.progress.proceed()?;
-        let time_s = problem.segments[index].sample_time_s;
+        let (time_s, steps) = (problem.segments[index].sample_time_s, problem.segments[index].steps());
         let prewhitening = prewhitenings.iter().find(|prewhitening| prewhitening.sample_time_s == time_s);
         let mut rows =
             ResidualAccumulator::new(problem, time_s, weights, prewhitening, point.nuisance[index].len());
         rows.still.clone_from(&still);
         rows.most = most;
         rows.tentative = is_tentative.then(|| problem.options.progress.clone());
-        let integrator = || integrators.iter().find(|(known_s, _)| *known_s == time_s)?.1.as_ref();
+        let integrator = || integrators.iter().find(|(known, _)| *known == steps)?.1.as_ref();
         let finite = match &modal {
             Some(modal) => modal.predict(problem, index, point, weights, &mut rows)?,
             None => integrator()

@@ -4,7 +4,11 @@ use nalgebra::DVector;
 use socam_model::{ChannelTransform, Equations, Model, Quantity, effects::ActsAt};
 use socam_recording::Dataset;
 
-use crate::{IdentifyError, prediction::start_state, preprocessing::filters};
+use crate::{
+    IdentifyError,
+    prediction::start_state,
+    preprocessing::{filters, segments::evenly},
+};
 
 /// Cutoff of the position's low-pass, Hz: five times the 20 Hz bandwidth of the axis.
 const CUTOFF_HZ: f64 = 100.0;
@@ -107,6 +111,7 @@ impl<'m> Axis<'m> {
             self.model.inputs().next().map(|channel| (&channel.column, channel.scale, channel.offset));
         let output = self.model.outputs().find(|channel| channel.quantity == Quantity::Angle);
         let (Some(input), Some(output)) = (input, output) else { return Ok(Vec::new()) };
+        let dataset = evenly(dataset)?;
         let loaded = dataset.load(&[input.0, &output.column])?;
         let mut motions = Vec::new();
         for segment in dataset.segments() {

@@ -78,6 +78,7 @@ fn per_sample(
         uninterrupted: 0..dataset.rows(),
         mask: Arc::default(),
         sample_time_s,
+        longest_step_s: None,
         origin_s: 0.0,
     });
     let impulses = Problem::of_segments(

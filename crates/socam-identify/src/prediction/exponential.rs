@@ -19,17 +19,38 @@ pub(crate) const HALVINGS: usize = 10;
 /// Terms of the series of phi_3. At norms up to one half the next term is below rounding.
 const TERMS: usize = 13;
 
-/// The maps of steps of a sample, half a sample, and so on to the shortest step; that of a sample alone where `equations` have no
-/// ports. `sensitivities` are the derivatives of `equations` with respect to the free parameters. `None` where the exponential
+/// Lengths of the steps from sample to sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum SampleSteps {
+    /// All of this length, s.
+    Even(f64),
+    /// Of different lengths, the longest of this one, s.
+    Uneven(f64),
+}
+
+impl SampleSteps {
+    /// Length of the longest step whose map is stored, s; a little more than that of the longest step, which is rounded to parts.
+    pub(crate) fn longest_s(self) -> f64 {
+        match self {
+            Self::Even(step_s) => step_s,
+            Self::Uneven(longest_s) => 1.002 * longest_s,
+        }
+    }
+}
+
+/// The maps of steps of a sample, half a sample, and so on to the shortest step; that of a sample alone where all samples have the same step
+/// and `equations` have no ports. `sensitivities` are the derivatives of `equations` with respect to the free parameters. `None` where the exponential
 /// overflows.
 pub(crate) fn levels(
     equations: &Equations,
     sensitivities: &[Equations],
-    sample_time_s: f64,
+    steps: SampleSteps,
 ) -> Option<Vec<StepLevel>> {
+    let sample_time_s = steps.longest_s();
     let dimensions = Dimensions::new(equations, sensitivities.len());
     // The port inputs at the quarters of the shortest step need two levels more.
-    let stored = if dimensions.ports == 0 { 1 } else { HALVINGS + 3 };
+    let is_whole = dimensions.ports == 0 && matches!(steps, SampleSteps::Even(_));
+    let stored = if is_whole { 1 } else { HALVINGS + 3 };
     let scale = balance(&equations.state);
     let balanced = |e: &Equations| {
         DMatrix::from_fn(dimensions.states, dimensions.states, |i, j| e.state[(i, j)] * scale[j] / scale[i])
@@ -65,7 +86,7 @@ pub(crate) fn levels(
     if !steps[0].value.iter().all(|value| value.is_finite()) {
         return None;
     }
-    if dimensions.ports == 0 {
+    if is_whole {
         return Some(vec![StepLevel::new(&[(&steps[0].value, &steps[0].sensitivities)], dimensions)]);
     }
     Some(

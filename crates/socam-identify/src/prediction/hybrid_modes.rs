@@ -7,7 +7,7 @@
 use socam_model::Equations;
 
 use crate::prediction::{
-    exponential,
+    exponential::{self, SampleSteps},
     inactive_laws::{self, InactiveInputs, InactiveLaws, OutputOnlyLaws},
     instant::Instant,
     laws::PortLaw,
@@ -74,7 +74,7 @@ impl LinearDynamics {
         sensitivities: &[Equations],
         (values, free): (&[f64], &[usize]),
         ports: [&[usize]; 2],
-        sample_time_s: f64,
+        steps: SampleSteps,
     ) -> Option<Self> {
         let [active, inactive] = ports;
         let own = equations.with_ports(active);
@@ -83,7 +83,7 @@ impl LinearDynamics {
         // The parameters of laws come last and change no matrix. At least one derivative is kept, so that no sum is empty.
         let last = moved.iter().rposition(changes_a_matrix).unwrap_or(0);
         moved.truncate(last + 1);
-        let levels = exponential::levels(&own, &moved, sample_time_s)?;
+        let levels = exponential::levels(&own, &moved, steps)?;
         let [moving, output_only] = inactive_laws::partition_by_action(equations, inactive);
         let output_only = OutputOnlyLaws::new(equations, values, free, [active, &output_only]);
         let ports = [active, &*moving];
@@ -91,7 +91,7 @@ impl LinearDynamics {
         let mut inactive_inputs = Vec::new();
         if !moving.is_empty() {
             let dimensions = Dimensions::new(equations, 0);
-            let all = exponential::levels(equations, &[], sample_time_s)?;
+            let all = exponential::levels(equations, &[], steps)?;
             inactive_inputs =
                 all.iter().map(|level| inactive_laws.inactive_inputs(level, dimensions, ports)).collect();
         }
@@ -133,14 +133,14 @@ impl HybridModes {
         sensitivities: &[Equations],
         values: &[f64],
         free: &[usize],
-        sample_time_s: f64,
+        steps: SampleSteps,
     ) -> Option<Self> {
-        let finest_s = sample_time_s * 0.5_f64.powi(exponential::HALVINGS as i32);
+        let finest_s = steps.longest_s() * 0.5_f64.powi(exponential::HALVINGS as i32);
         let (inactive, active): (Vec<usize>, Vec<usize>) =
             (0..equations.ports.len()).partition(|port| equations.ports[*port].is_inactive(values));
         let ports = [&*active, &*inactive];
         let dynamics = |equations: &Equations, sensitivities: &[Equations]| {
-            LinearDynamics::new(equations, sensitivities, (values, free), ports, sample_time_s)
+            LinearDynamics::new(equations, sensitivities, (values, free), ports, steps)
         };
         let touching = dynamics(equations, sensitivities)?;
         let laws = PortLaw::all(&touching.equations, values, free);

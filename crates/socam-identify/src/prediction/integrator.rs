@@ -147,11 +147,23 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Advances by one sample, along which each input follows its polynomial. `report` is called with every event.
-    pub(crate) fn sample(&mut self, inputs: &[InputPolynomial], mut report: impl FnMut(&Event<'_>)) {
+    /// Number of parts of the longest step, each as long as the shortest one.
+    fn whole(&self) -> usize {
+        1 << (self.dynamics().levels.len() - 1)
+    }
+
+    /// Advances by one sample, along which each input follows its polynomial. The step from sample to sample has `length` parts of the
+    /// shortest step; `None` for the longest, as of all samples at a constant rate. `report` is called with every event.
+    pub(crate) fn sample(
+        &mut self,
+        inputs: &[InputPolynomial],
+        length: Option<usize>,
+        mut report: impl FnMut(&Event<'_>),
+    ) {
         let n = self.dimensions.states;
         let finest = self.dynamics().levels.len() - 1;
-        let whole = 1_usize << finest;
+        let whole = self.whole();
+        let length = length.map_or(whole, |length| length.min(whole));
         if self.jumps(inputs) && !self.has_diverged {
             let held: Vec<f64> = inputs.iter().map(|polynomial| polynomial.at(0.0)).collect();
             self.solve_forces(&held);
@@ -160,13 +172,18 @@ impl<'a> Integrator<'a> {
         // The first attempt is twice as long as the last step.
         let mut level = self.level.saturating_sub(1).min(finest);
         let mut done = 0;
-        while done < whole && !self.has_diverged {
+        while done < length && !self.has_diverged {
             while !done.is_multiple_of(whole >> level) {
                 level += 1;
             }
-            let (law_level, taken, error) = self.find_step(inputs, (done, whole), level);
-            (self.level, level) = (law_level, law_level);
-            let length = whole >> taken;
+            // What is left of an uneven sample may be shorter than the laws ask for.
+            let fits = |level: &usize| done.is_multiple_of(whole >> level) && whole >> level <= length - done;
+            let fitting = (level..finest).find(fits).unwrap_or(finest);
+            let (law_level, taken, error) = self.find_step(inputs, (done, length), fitting);
+            if law_level > fitting {
+                level = law_level;
+            }
+            self.level = level;
             self.unresolved += usize::from(error > self.tolerance || error.is_nan());
             let dynamics = self.dynamics();
             report(&Event::Step(&AcceptedStep {
@@ -185,7 +202,7 @@ impl<'a> Integrator<'a> {
             if self.has_diverged {
                 self.xi.fill(f64::NAN);
             }
-            done += length;
+            done += whole >> taken;
             let doubled = level > 0 && done.is_multiple_of(whole >> (level - 1));
             if error <= self.tolerance * DOUBLING_SHARE && doubled {
                 level -= 1;
@@ -205,19 +222,19 @@ impl<'a> Integrator<'a> {
     }
 
     /// Finds the longest step whose error is within the tolerance and that does not leave the mode, or the shortest step if there is
-    /// none. `done` of the `whole` parts of the sample are over; the first attempt is at `level`. Returns the level that the laws
+    /// none. `done` of the sample's `length` parts are over; the first attempt is at `level`. Returns the level that the laws
     /// allow, the level of the step, and its error.
     fn find_step(
         &mut self,
         inputs: &[InputPolynomial],
-        (done, whole): (usize, usize),
+        (done, length): (usize, usize),
         level: usize,
     ) -> (usize, usize, f64) {
         let (n, count) = (self.dimensions.states, self.dimensions.inputs);
-        let finest = self.dynamics().levels.len() - 1;
+        let (finest, whole) = (self.dynamics().levels.len() - 1, self.whole());
         let (mut law_level, mut level) = (level, level);
         loop {
-            let part = [done, done + (whole >> level)].map(|position| position as f64 / whole as f64);
+            let part = [done, done + (whole >> level)].map(|position| position as f64 / length as f64);
             for (i, polynomial) in inputs.iter().enumerate() {
                 for (node, value) in polynomial.parabola(part).into_iter().enumerate() {
                     self.xi[n + node * count + i] = value;

@@ -13,7 +13,7 @@ use crate::Intersample;
 
 /// Contribution of one coefficient within an interval between two samples: a polynomial in the position, from 0 to 1, lowest power
 /// first.
-type BasisPolynomial = [f64; 6];
+pub(crate) type BasisPolynomial = [f64; 6];
 
 /// Linear interpolation: the sample before and the one after.
 const LINEAR: [BasisPolynomial; 2] = [[1.0, -1.0, 0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]];
@@ -34,6 +34,12 @@ const HELD: [BasisPolynomial; 2] = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0; 6]];
 
 /// Powers of the second difference in the prefilter's series.
 const POWERS: usize = 8;
+
+/// Samples on either side of an uneven step that a band-limited input is interpolated from.
+pub(crate) const UNEVEN_SIDE: usize = 3;
+
+/// Largest sum of the weights' magnitudes in such an interpolation.
+const MOST_WEIGHT: f64 = 2.0;
 
 /// Basis polynomials of the coefficients about an interval, the earliest first.
 pub(crate) fn basis(intersample: Intersample) -> Vec<BasisPolynomial> {
@@ -58,6 +64,28 @@ impl InputPolynomial {
         Self(sum)
     }
 
+    /// The input over the step that ends at sample `k`, of samples at uneven times: the polynomial through `values` that the kind asks for, of
+    /// fifth degree where the input is band-limited, and of lower degree where that would enlarge noise. A constant before the first sample.
+    pub(crate) fn between(values: &[f64], time_s: &[f64], k: usize, kind: Intersample) -> Self {
+        let constant = |value: f64| Self([value, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let Some(before) = k.checked_sub(1) else { return constant(values[0]) };
+        if kind == Intersample::Hold {
+            return constant(values[before]);
+        }
+        let most = if kind == Intersample::Linear { 1 } else { UNEVEN_SIDE };
+        let through = |side: usize| {
+            let rows = k.saturating_sub(side)..(k + side).min(values.len());
+            Through::new(&values[rows.clone()], &time_s[rows], (time_s[before], time_s[k]))
+        };
+        let usable = (2..=most).rev().map(through).find(|found| found.size <= MOST_WEIGHT);
+        usable.unwrap_or_else(|| through(1)).polynomial
+    }
+
+    /// Its coefficients, lowest power first.
+    pub(crate) fn coefficients(&self) -> &[f64; 6] {
+        &self.0
+    }
+
     pub(crate) fn at(&self, position: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, c| sum * position + c)
     }
@@ -72,6 +100,35 @@ impl InputPolynomial {
         let (start, end) = (self.at(from), self.at(to));
         let mean = (integral(to) - integral(from)) / (to - from);
         [start, 1.5 * mean - 0.25 * (start + end), end]
+    }
+}
+
+/// The polynomial through samples, in the position within a step from 0 to 1.
+struct Through {
+    polynomial: InputPolynomial,
+    /// Sum of the magnitudes of the samples' weights in the middle of the step: how much noise it may enlarge.
+    size: f64,
+}
+
+impl Through {
+    /// By the sum of the Lagrange polynomials of at most six samples.
+    fn new(values: &[f64], time_s: &[f64], (from_s, to_s): (f64, f64)) -> Self {
+        let position: Vec<f64> = time_s.iter().map(|t| (t - from_s) / (to_s - from_s)).collect();
+        let (mut sum, mut size) = ([0.0; 6], 0.0);
+        for (own, value) in values.iter().enumerate() {
+            // The product of (s - other) / (own - other).
+            let mut product = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+            for other in (0..position.len()).filter(|other| *other != own) {
+                let scale = 1.0 / (position[own] - position[other]);
+                for power in (0..6).rev() {
+                    let lower = if power == 0 { 0.0 } else { product[power - 1] };
+                    product[power] = scale * (lower - position[other] * product[power]);
+                }
+            }
+            size += InputPolynomial(product).at(0.5).abs();
+            sum.iter_mut().zip(product).for_each(|(sum, c)| *sum += c * value);
+        }
+        Self { polynomial: InputPolynomial(sum), size }
     }
 }
 

@@ -23,6 +23,7 @@ pub(crate) mod phi;
 pub(crate) mod predictor;
 pub(crate) mod products;
 pub(crate) mod recursion;
+pub(crate) mod replay;
 pub(crate) mod row_products;
 pub(crate) mod sensitivity;
 pub(crate) mod sensitivity_integrator;

@@ -21,6 +21,7 @@ use constant_forces::with_constant_forces;
 mod constant_forces;
 mod run;
 mod start;
+mod uneven;
 
 type C = Complex<f64>;
 

@@ -19,26 +19,43 @@ pub(crate) struct Hold {
 impl Hold {
     /// `pole` in 1/s, `step_s` in s.
     pub(crate) fn new(pole: C, step_s: f64, intersample: Intersample) -> Self {
+        let step = ModeStep::new(pole, step_s);
+        let taps = intersample::basis(intersample).iter().map(|piece| step.response(piece)).collect();
+        Self { decay: step.decay, decay_sensitivity: step.decay_sensitivity, taps }
+    }
+}
+
+/// One step of chi' = lambda chi + u for an input that is any polynomial. Each factor comes with its derivative with respect to lambda.
+#[derive(Debug, Clone)]
+pub(crate) struct ModeStep {
+    pub(crate) decay: C,
+    pub(crate) decay_sensitivity: C,
+    /// Responses to the powers of the position within the step, from 0 to 1.
+    powers: [(C, C); 6],
+}
+
+impl ModeStep {
+    /// `pole` in 1/s, `step_s` in s.
+    pub(crate) fn new(pole: C, step_s: f64) -> Self {
         let x = pole * step_s;
         let decay = x.exp();
         let h = C::from(step_s);
-        let basis = intersample::basis(intersample);
         let phis = phis(x, decay);
         // Integral of exp(x (1 - s)) s^j over the step is j! phi_(j+1); phi_n' = phi_n - n phi_(n+1).
         let mut factorial = 1.0;
-        let powers: Vec<(C, C)> = (0..basis[0].len())
-            .map(|j| {
-                factorial *= j.max(1) as f64;
-                let sensitivity = phis[j] - C::from((j + 1) as f64) * phis[j + 1];
-                (h * phis[j] * factorial, h * h * sensitivity * factorial)
-            })
-            .collect();
-        let tap = |piece: &[f64; 6]| {
-            let each =
-                piece.iter().zip(&powers).map(|(c, (value, sensitivity))| (value * c, sensitivity * c));
-            each.fold((C::default(), C::default()), |sum, term| (sum.0 + term.0, sum.1 + term.1))
-        };
-        Self { decay, decay_sensitivity: h * decay, taps: basis.iter().map(tap).collect() }
+        let powers = std::array::from_fn(|j| {
+            factorial *= j.max(1) as f64;
+            let sensitivity = phis[j] - C::from((j + 1) as f64) * phis[j + 1];
+            (h * phis[j] * factorial, h * h * sensitivity * factorial)
+        });
+        Self { decay, decay_sensitivity: h * decay, powers }
+    }
+
+    /// Response to the polynomial with these coefficients, lowest power first.
+    pub(crate) fn response(&self, input: &[f64; 6]) -> (C, C) {
+        let each =
+            input.iter().zip(&self.powers).map(|(c, (value, sensitivity))| (value * c, sensitivity * c));
+        each.fold((C::default(), C::default()), |sum, term| (sum.0 + term.0, sum.1 + term.1))
     }
 }
 

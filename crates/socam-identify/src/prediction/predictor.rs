@@ -6,6 +6,7 @@ use crate::{
     IdentifyError, Intersample,
     prediction::{
         event::Event,
+        exponential::SampleSteps,
         hybrid_modes::HybridModes,
         integrator::{DEFAULT_TOLERANCE, Integrator},
         intersample::{self, InputPolynomial},
@@ -80,11 +81,16 @@ impl Predictor {
     /// # Errors
     /// When the equations cannot be formed at these values, the sample time is not positive, or the motion overflows within a sample.
     pub fn new(model: &Model, values: &[f64], sample_time_s: f64) -> Result<Self, IdentifyError> {
-        let equations = model.equations(values)?;
         if !(sample_time_s.is_finite() && sample_time_s > 0.0) {
             return Err(IdentifyError::Option(format!("a sample time of {sample_time_s} s cannot be meant")));
         }
-        let hybrid_modes = HybridModes::new(&equations, &[], values, &[], sample_time_s)
+        Self::along(model, values, SampleSteps::Even(sample_time_s))
+    }
+
+    /// For steps of these lengths.
+    pub(crate) fn along(model: &Model, values: &[f64], steps: SampleSteps) -> Result<Self, IdentifyError> {
+        let equations = model.equations(values)?;
+        let hybrid_modes = HybridModes::new(&equations, &[], values, &[], steps)
             .ok_or_else(|| IdentifyError::Diverged { model: model.name.clone() })?;
         let (values, name) = (values.to_vec(), model.name.clone());
         Ok(Self { values, name, hybrid_modes, tolerance: DEFAULT_TOLERANCE })
@@ -144,8 +150,9 @@ impl Predictor {
         for k in 0..rows {
             if k > 0 {
                 along(k, &mut polynomials);
-                integrator
-                    .sample(&polynomials, |event| steps += usize::from(matches!(event, Event::Step(_))));
+                integrator.sample(&polynomials, None, |event| {
+                    steps += usize::from(matches!(event, Event::Step(_)));
+                });
             }
             raw.clear();
             raw.extend(inputs.iter().map(|input| input[k]));
@@ -174,7 +181,11 @@ impl Predictor {
         Ok(())
     }
 
-    fn start(&self, start: Start<'_>, inputs: &[f64]) -> Result<Vec<f64>, IdentifyError> {
+    pub(crate) fn hybrid_modes(&self) -> &HybridModes {
+        &self.hybrid_modes
+    }
+
+    pub(crate) fn start(&self, start: Start<'_>, inputs: &[f64]) -> Result<Vec<f64>, IdentifyError> {
         match start {
             Start::State(state) if state.len() == self.states() => Ok(state.to_vec()),
             Start::State(state) => Err(IdentifyError::Option(format!(

@@ -12,6 +12,7 @@ use crate::{
         weights::{Point, Weights},
     },
     prediction::{
+        exponential::SampleSteps,
         hybrid_modes::HybridModes,
         integrator::{DEFAULT_TOLERANCE, Integrator},
         intersample::{self, InputPolynomial},
@@ -25,6 +26,9 @@ use crate::{
 
 /// Share of their largest magnitude below which the sensitivities with respect to the start state are taken to have decayed.
 const DECAYED: f64 = 1e-13;
+
+/// Number of steps of the integrator from sample to sample, on average, where these are uneven.
+const PARTS_OF_A_STEP: usize = 5;
 
 /// A model at one parameter vector and sample time.
 pub(crate) struct SensitivityIntegrator<'a> {
@@ -43,20 +47,14 @@ impl<'a> SensitivityIntegrator<'a> {
         sensitivities: &'a [Equations],
         point: &Point,
         weights: &'a Weights,
-        sample_time_s: f64,
+        steps: SampleSteps,
     ) -> Option<Self> {
         Some(Self {
             equations,
             sensitivities,
             free: &problem.free,
             weights,
-            hybrid_modes: HybridModes::new(
-                equations,
-                sensitivities,
-                &point.values,
-                &problem.free,
-                sample_time_s,
-            )?,
+            hybrid_modes: HybridModes::new(equations, sensitivities, &point.values, &problem.free, steps)?,
         })
     }
 
@@ -74,9 +72,11 @@ impl<'a> SensitivityIntegrator<'a> {
         let mut run: Option<SegmentIntegration<'_>> = None;
         let bases: Vec<_> = problem.intersample.iter().map(|kind| intersample::basis(*kind)).collect();
         let mut raw = vec![0.0; self.equations.input.ncols()];
-        let (mut polynomials, mut now) = (Vec::new(), Vec::new());
+        let (mut polynomials, mut now): (Vec<InputPolynomial>, _) = (Vec::new(), Vec::new());
         let mut finite = true;
-        let most_steps = problem.options.most_steps.map(|most| most * segment.rows as usize);
+        // An uneven step is put together from parts.
+        let each = if segment.longest_step_s.is_some() { PARTS_OF_A_STEP } else { 1 };
+        let most_steps = problem.options.most_steps.map(|most| most * each * segment.rows as usize);
         segments::read(
             problem.model,
             &problem.datasets[segment.recording],
@@ -96,15 +96,14 @@ impl<'a> SensitivityIntegrator<'a> {
                             return;
                         }
                         raw.iter_mut().zip(&chunk.inputs).for_each(|(raw, input)| *raw = input[k]);
-                        polynomials.clear();
-                        let along = chunk.held.iter().zip(&bases);
-                        polynomials
-                            .extend(along.map(|(held, bases)| InputPolynomial::new(bases, &held[k..])));
+                        chunk.inputs_along(k, &bases, &mut polynomials);
                         now.clear();
                         now.extend(polynomials.iter().map(|polynomial| polynomial.at(1.0)));
                         match &mut run {
                             None => run = Some(self.start(problem, index, point, &offsets, &now)),
-                            Some(run) => run.sample(&polynomials),
+                            Some(run) => {
+                                run.sample(&polynomials, chunk.parts(k, self.hybrid_modes.finest_s));
+                            }
                         }
                         run.iter_mut().for_each(|run| run.observe(&raw, &now));
                     }
@@ -188,10 +187,10 @@ struct SegmentIntegration<'s> {
 }
 
 impl SegmentIntegration<'_> {
-    fn sample(&mut self, polynomials: &[InputPolynomial]) {
+    fn sample(&mut self, polynomials: &[InputPolynomial], length: Option<usize>) {
         let Self { integrator, sensitivity, .. } = self;
         let before = integrator.unresolved;
-        integrator.sample(polynomials, |event| sensitivity.apply(event));
+        integrator.sample(polynomials, length, |event| sensitivity.apply(event));
         self.unresolved += u64::from(integrator.unresolved > before);
     }
 

@@ -1,12 +1,19 @@
 //! Segments of recordings, and how they are read: consecutive rows at a constant rate with every input present, chunk by chunk.
 
-use std::{ops::Range, sync::Arc};
+use std::{borrow::Cow, ops::Range, sync::Arc};
 
 use socam_model::{Channel, ChannelTransform, Model, TransformStart};
 
 use socam_recording::{Block, Dataset};
 
-use crate::{IdentifyError, Intersample, prediction::intersample, preprocessing::mask::Mask};
+use crate::{
+    IdentifyError, Intersample,
+    prediction::{
+        exponential::SampleSteps,
+        intersample::{self, BasisPolynomial, InputPolynomial},
+    },
+    preprocessing::mask::Mask,
+};
 
 /// Fewest samples of a segment. A shorter one would cost more unknowns (its start state) than it has information.
 const MIN_ROWS: u64 = 20;
@@ -23,6 +30,8 @@ pub(crate) struct Segment {
     pub(crate) first_row: u64,
     pub(crate) rows: u64,
     pub(crate) sample_time_s: f64,
+    /// Length of the longest step where steps are uneven; `sample_time_s` is then the mean.
+    pub(crate) longest_step_s: Option<f64>,
     /// Time of row 0 of the recording, extrapolated at the rate of this segment, s.
     pub(crate) origin_s: f64,
     /// The uninterrupted rows of which the segment is all or a part.
@@ -41,6 +50,27 @@ impl Segment {
     pub(crate) fn pieces(&self, rows: u64) -> impl Iterator<Item = Self> {
         let first = move |piece: u64| self.first_row + piece * rows;
         (0..self.rows / rows).map(move |piece| Self { first_row: first(piece), rows, ..self.clone() })
+    }
+
+    /// Lengths of the steps between its samples.
+    pub(crate) fn steps(&self) -> SampleSteps {
+        self.longest_step_s.map_or(SampleSteps::Even(self.sample_time_s), SampleSteps::Uneven)
+    }
+
+    /// Times of its rows, s.
+    ///
+    /// # Errors
+    /// When the recording cannot be read.
+    pub(crate) fn times_s(&self, dataset: &Dataset) -> Result<Vec<f64>, IdentifyError> {
+        let rows = self.first_row..self.first_row + self.rows;
+        if self.longest_step_s.is_none() {
+            return Ok(rows.map(|row| self.origin_s + row as f64 * self.sample_time_s).collect());
+        }
+        let mut times_s = Vec::with_capacity(self.rows as usize);
+        for block in dataset.blocks_in(rows, &[])? {
+            times_s.extend_from_slice(&block?.time_s);
+        }
+        Ok(times_s)
     }
 
     /// Whether the segment is the first part of its uninterrupted rows.
@@ -71,12 +101,69 @@ pub(crate) struct Chunk {
     pub(crate) held: Vec<Vec<f64>>,
     /// One vector per output; NaN where missing.
     pub(crate) outputs: Vec<Vec<f64>>,
+    /// The steps between the samples and the inputs over them, where steps are uneven; `held` is then empty.
+    pub(crate) steps: Option<UnevenSteps>,
+}
+
+/// Steps of different lengths, one for each row, which ends it.
+#[derive(Debug)]
+pub(crate) struct UnevenSteps {
+    /// Start of the first step and end of each, s since the segment's first row.
+    times_s: Vec<f64>,
+    /// Per input, its course over each step.
+    inputs: Vec<Vec<InputPolynomial>>,
+}
+
+impl UnevenSteps {
+    /// Length of the step that ends at row `k`, s.
+    pub(crate) fn length_s(&self, k: usize) -> f64 {
+        self.times_s[k + 1] - self.times_s[k]
+    }
+
+    /// Course of an input over the step that ends at row `k`; `None` where there is no such input.
+    pub(crate) fn input(&self, input: usize, k: usize) -> Option<&InputPolynomial> {
+        Some(&self.inputs.get(input)?[k])
+    }
 }
 
 impl Chunk {
     pub(crate) fn rows(&self) -> usize {
         self.inputs.first().map_or(0, Vec::len)
     }
+
+    /// Sets `polynomials` to the course of each input over the step that ends at row `k`; `bases` are those of the inputs' kinds.
+    pub(crate) fn inputs_along(
+        &self,
+        k: usize,
+        bases: &[Vec<BasisPolynomial>],
+        polynomials: &mut Vec<InputPolynomial>,
+    ) {
+        polynomials.clear();
+        match &self.steps {
+            Some(steps) => polynomials.extend(steps.inputs.iter().map(|input| input[k])),
+            None => {
+                let along = self.held.iter().zip(bases);
+                polynomials.extend(along.map(|(held, bases)| InputPolynomial::new(bases, &held[k..])));
+            }
+        }
+    }
+
+    /// Length of the step that ends at row `k` in parts of `part_s`, so that no sample is further than half a part from its time; `None`
+    /// where all steps are equal.
+    pub(crate) fn parts(&self, k: usize, part_s: f64) -> Option<usize> {
+        let steps = self.steps.as_ref()?;
+        let at = |edge: usize| (steps.times_s[edge] / part_s).round();
+        Some((at(k + 1) - at(k)) as usize)
+    }
+}
+
+/// The recording at a constant rate, for filters of its motion.
+pub(crate) fn evenly(dataset: &Dataset) -> Result<Cow<'_, Dataset>, IdentifyError> {
+    Ok(if dataset.has_uneven_steps() {
+        Cow::Owned(dataset.clone().regular()?)
+    } else {
+        Cow::Borrowed(dataset)
+    })
 }
 
 /// Values of a column as recorded.
@@ -144,6 +231,10 @@ fn runs(model: &Model, dataset: &Dataset, recording: usize) -> Result<Vec<Segmen
         first_row: rows.start,
         rows: rows.end - rows.start,
         sample_time_s: dataset.segments()[segment].sample_time_s,
+        longest_step_s: dataset.has_uneven_steps().then(|| {
+            let segment = &dataset.segments()[segment];
+            segment.sample_time_s + segment.jitter_s
+        }),
         origin_s: {
             let segment = &dataset.segments()[segment];
             segment.start_s - segment.first_row as f64 * segment.sample_time_s
@@ -192,6 +283,8 @@ pub(crate) fn read(
     // A spline or a rate needs samples before and after the rows. A part of an uninterrupted stretch takes them from its neighbours.
     let by_transform = channels.iter().map(|channel| channel.transform.reach()).max().unwrap_or(0);
     let by_spline = intersample.iter().map(|kind| intersample::reach(*kind)).max().unwrap_or(0);
+    let by_spline =
+        by_spline.max(if segment.longest_step_s.is_some() { intersample::UNEVEN_SIDE } else { 0 });
     let reach = (by_spline + by_transform) as u64;
     let end = segment.first_row + segment.rows;
     let first = segment.uninterrupted.start.max(segment.first_row.saturating_sub(reach));
@@ -230,6 +323,10 @@ struct Window<'a> {
     start: u64,
     /// Values in the recording's units, per channel.
     values: Vec<Vec<f64>>,
+    /// Times of the recording, s, where steps are uneven.
+    time_s: Vec<f64>,
+    /// Time of the segment's first row, s; known from the first chunk on.
+    first_s: Option<f64>,
     /// Per channel, the integral from the recording's beginning to `start`; zero for other transforms.
     integrals: Vec<f64>,
 }
@@ -243,6 +340,8 @@ impl<'a> Window<'a> {
             inputs: model.inputs().count(),
             start,
             values: vec![Vec::new(); count],
+            time_s: Vec::new(),
+            first_s: None,
             integrals: vec![0.0; count],
         }
     }
@@ -250,6 +349,9 @@ impl<'a> Window<'a> {
     /// Appends a block, masked outputs as NaN and imputed inputs replaced.
     fn append(&mut self, block: &Block) {
         let rows = block.first_row..block.first_row + block.rows() as u64;
+        if self.segment.longest_step_s.is_some() {
+            self.time_s.extend_from_slice(&block.time_s);
+        }
         for (index, (values, column)) in self.values.iter_mut().zip(&block.columns).enumerate() {
             values.extend_from_slice(column.values());
             let new = values.len() - block.rows();
@@ -261,16 +363,32 @@ impl<'a> Window<'a> {
     }
 
     /// Some rows as a chunk, and the SI values of the whole window.
-    fn chunk(&self, rows: Range<u64>, intersample: &[Intersample]) -> (Chunk, Vec<Vec<f64>>) {
+    fn chunk(&mut self, rows: Range<u64>, intersample: &[Intersample]) -> (Chunk, Vec<Vec<f64>>) {
+        let is_uneven = self.segment.longest_step_s.is_some();
         let rows = (rows.start - self.start) as usize..(rows.end - self.start) as usize;
         let time_s = self.segment.origin_s + self.start as f64 * self.segment.sample_time_s;
         let read = self.channels.iter().zip(&self.values).zip(&self.integrals);
         let si: Vec<_> = read
             .map(|((channel, values), integral)| {
                 let start = TransformStart { time_s, integral: *integral };
-                channel.read(values, self.segment.sample_time_s, start)
+                match is_uneven {
+                    true => channel.read_at(values, &self.time_s, start),
+                    false => channel.read(values, self.segment.sample_time_s, start),
+                }
             })
             .collect();
+        let steps = is_uneven.then(|| {
+            let first_s = *self.first_s.get_or_insert(self.time_s[rows.start]);
+            let times = rows.start.saturating_sub(1)..rows.end;
+            let before = (rows.start == 0).then_some(self.time_s[0]);
+            let along = |(values, kind): (&Vec<f64>, &Intersample)| {
+                rows.clone().map(|k| InputPolynomial::between(values, &self.time_s, k, *kind)).collect()
+            };
+            UnevenSteps {
+                times_s: before.iter().chain(&self.time_s[times]).map(|time_s| time_s - first_s).collect(),
+                inputs: si[..self.inputs].iter().zip(intersample).map(along).collect(),
+            }
+        });
         let part =
             |columns: &[Vec<f64>]| columns.iter().map(|values| values[rows.clone()].to_vec()).collect();
         let held = |(values, kind): (&Vec<f64>, &Intersample)| {
@@ -278,7 +396,11 @@ impl<'a> Window<'a> {
         };
         let chunk = Chunk {
             inputs: part(&si[..self.inputs]),
-            held: si[..self.inputs].iter().zip(intersample).map(held).collect(),
+            held: match is_uneven {
+                true => Vec::new(),
+                false => si[..self.inputs].iter().zip(intersample).map(held).collect(),
+            },
+            steps,
             outputs: part(&si[self.inputs..]),
         };
         (chunk, si)
@@ -294,6 +416,7 @@ impl<'a> Window<'a> {
             }
         }
         self.values.iter_mut().for_each(|values| drop(values.drain(..count)));
+        self.time_s.drain(..count.min(self.time_s.len()));
         self.start = row;
     }
 }
@@ -306,7 +429,10 @@ fn integral_before(dataset: &Dataset, column: usize, row: u64) -> Result<f64, Id
         let segment = &dataset.segments()[block.segment];
         for (k, value) in block.columns[0].values().iter().enumerate().filter(|(_, value)| !value.is_nan()) {
             let at = block.first_row + k as u64 - segment.first_row;
-            let time_s = segment.start_s + at as f64 * segment.sample_time_s;
+            let time_s = match dataset.has_uneven_steps() {
+                true => block.time_s[k],
+                false => segment.start_s + at as f64 * segment.sample_time_s,
+            };
             sum += last.map_or(0.0, |(before_s, before)| 0.5 * (time_s - before_s) * (before + value));
             last = Some((time_s, *value));
         }

@@ -53,7 +53,16 @@ impl Channel {
     /// ```
     #[must_use]
     pub fn read(&self, column: &[f64], sample_time_s: f64, start: TransformStart) -> Vec<f64> {
-        let mut values = self.transform.apply(column, sample_time_s, start);
+        self.scaled(self.transform.apply(column, sample_time_s, start))
+    }
+
+    /// [`Self::read`] for samples that were taken at these times, s, in uneven steps; `start` holds the integral at the first of them.
+    #[must_use]
+    pub fn read_at(&self, column: &[f64], time_s: &[f64], start: TransformStart) -> Vec<f64> {
+        self.scaled(self.transform.apply_at(column, time_s, start))
+    }
+
+    fn scaled(&self, mut values: Vec<f64>) -> Vec<f64> {
         values.iter_mut().for_each(|value| *value = self.scale * *value + self.offset);
         values
     }

@@ -50,6 +50,8 @@ pub struct Dataset {
     pub(super) rows: u64,
     /// Rows per sample.
     pub(super) parts: u32,
+    /// Whether steps within a segment differ in length.
+    pub(super) uneven: bool,
     pub(super) lost_samples: u64,
     pub(super) cut: Option<Cut>,
     pub(super) contents: Option<Arc<LogContents>>,
@@ -105,6 +107,13 @@ impl Dataset {
     #[must_use]
     pub fn rows_per_sample(&self) -> u32 {
         self.parts
+    }
+
+    /// Whether steps within a segment may differ in length: the recording is integrated from stamp to stamp
+    /// ([`Dataset::on_its_stamps`]).
+    #[must_use]
+    pub fn has_uneven_steps(&self) -> bool {
+        self.uneven
     }
 
     /// Time of the first row, s.

@@ -53,7 +53,7 @@ impl Dataset {
     }
 
     /// All time stamps, s.
-    fn stamps(&self) -> Result<Vec<f64>> {
+    pub(super) fn stamps(&self) -> Result<Vec<f64>> {
         let mut stamps = Vec::new();
         for block in self.blocks_in(0..self.rows(), &[])? {
             stamps.extend_from_slice(&block?.time_s);

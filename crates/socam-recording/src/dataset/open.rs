@@ -183,6 +183,7 @@ impl Dataset {
             sample_time_s,
             rows: table.rows() as u64,
             parts: 1,
+            uneven: false,
             lost_samples: 0,
             cut: None,
             contents: None,

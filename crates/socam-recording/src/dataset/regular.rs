@@ -1,4 +1,4 @@
-//! Irregular time stamps: measures them, and resamples a recording to a regular grid.
+//! Irregular time stamps: measures them, leaves them for an integration from stamp to stamp, or resamples a recording to a regular grid.
 //!
 //! The grid's step is the median step or a whole fraction of it. Inputs are interpolated from their true time stamps, by their own
 //! intersample behaviour. Every other sample is moved to the grid's nearest point, by the polynomial through its neighbours; points
@@ -10,6 +10,7 @@ use super::keep::Kept;
 use super::source::{Source, SpillSource};
 use crate::Channel;
 use crate::error::{RecordingError, Result};
+use crate::segments::{Segment, SegmentFinder};
 use crate::warning::Warning;
 
 /// A step that differs from the median by more than this share of it is irregular.
@@ -82,6 +83,90 @@ impl Dataset {
     pub fn regular(self) -> Result<Self> {
         let data = self.on_even_times()?;
         if data.steps()?.are_irregular() { data.on_regular_grid(1, |_| Carry::Smooth) } else { Ok(data) }
+    }
+
+    /// The recording for an integration from stamp to stamp: its rows as they are, and a gap only where a step is longer than four median
+    /// steps. [`Segment::sample_time_s`](crate::Segment::sample_time_s) is then the mean step, and
+    /// [`Segment::jitter_s`](crate::Segment::jitter_s) the largest deviation from it.
+    ///
+    /// ```
+    /// use socam_recording::{Channel, Dataset, Unit};
+    ///
+    /// // Every third sample is late by half a step, and one is missing.
+    /// let rows = (0..100).filter(|k| *k != 50);
+    /// let time_s: Vec<f64> = rows.map(|k| 0.01 * (f64::from(k) + if k % 3 == 0 { 0.5 } else { 0.0 })).collect();
+    /// let speed = time_s.iter().map(|t| 3.0 * t).collect();
+    /// let data = Dataset::from_columns("run", vec![Channel::new("speed", Unit::RadPerS)], time_s, vec![speed])?;
+    /// let uneven = data.clone().on_its_stamps()?;
+    /// assert!(data.segments().len() > 1 && uneven.segments().len() == 1);
+    /// assert!(uneven.has_uneven_steps() && uneven.rows() == data.rows());
+    /// # Ok::<(), socam_recording::RecordingError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When the recording cannot be read again.
+    pub fn on_its_stamps(self) -> Result<Self> {
+        let steps = self.steps()?;
+        let mut finder = SegmentFinder::with_gaps(BRIDGED);
+        for block in self.blocks_in(0..self.rows, &[])? {
+            block?.time_s.iter().for_each(|time_s| finder.push(*time_s));
+        }
+        let (segments, sample_time_s) = finder.finish();
+        let note = format!(
+            "its time stamps are irregular (steps of {:.3} to {:.3} ms, half of them below {:.3} ms): it is integrated from stamp to stamp, and {} steps above {:.1} ms are gaps",
+            1e3 * steps.range_s.0,
+            1e3 * steps.range_s.1,
+            1e3 * steps.median_s,
+            segments.len().saturating_sub(1),
+            1e3 * BRIDGED * steps.median_s,
+        );
+        let mut warnings = self.warnings.clone();
+        warnings.push(Warning::Note(note));
+        Ok(Self { segments, sample_time_s, uneven: true, warnings, ..self })
+    }
+
+    /// The recording in parts of at most `rows` rows, each a segment of its own as if a gap followed it.
+    ///
+    /// ```
+    /// use socam_recording::{Channel, Dataset, Unit};
+    ///
+    /// let time_s: Vec<f64> = (0..25).map(|k| 0.1 * f64::from(k)).collect();
+    /// let speed = time_s.iter().map(|t| 2.0 * t).collect();
+    /// let data = Dataset::from_columns("run", vec![Channel::new("speed", Unit::RadPerS)], time_s, vec![speed])?;
+    /// let parts = data.in_parts(10)?;
+    /// assert_eq!(parts.segments().iter().map(|part| part.rows).collect::<Vec<_>>(), [10, 10, 5]);
+    /// assert_eq!((parts.segments()[1].first_row, parts.segments()[2].start_s), (10, 2.0));
+    /// # Ok::<(), socam_recording::RecordingError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When the recording cannot be read again.
+    pub fn in_parts(&self, rows: u64) -> Result<Self> {
+        let stamps = self.stamps()?;
+        let part = |whole: &Segment, first_row: u64| {
+            let rows = rows.max(1).min(whole.end_row() - first_row);
+            let (start_s, end_s) = (stamps[first_row as usize], stamps[(first_row + rows - 1) as usize]);
+            Segment { first_row, rows, start_s, end_s, ..*whole }
+        };
+        let segments = self.segments.iter().flat_map(|whole| {
+            let first = (whole.first_row..whole.end_row()).step_by(rows.max(1) as usize);
+            first.map(|first_row| part(whole, first_row))
+        });
+        Ok(Self { segments: segments.collect(), ..self.clone() })
+    }
+
+    /// A recording in memory with other values, of all rows of this one or of its first: as even or uneven, and with the same segments where
+    /// it has all rows.
+    ///
+    /// # Errors
+    /// As [`Dataset::from_columns`].
+    pub fn with_columns(&self, time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Result<Self> {
+        let copy = Self::from_columns(self.name(), self.channels().to_vec(), time_s, columns)?;
+        let copy = Self { parts: self.parts, ..if self.uneven { copy.on_its_stamps()? } else { copy } };
+        if copy.rows < self.rows {
+            return Ok(copy);
+        }
+        Ok(Self { segments: self.segments.clone(), sample_time_s: self.sample_time_s, ..copy })
     }
 
     /// The recording on a regular grid of `parts` points per median step; `carry` says how each channel is resampled.
@@ -159,6 +244,7 @@ impl Dataset {
             sample_time_s,
             rows,
             parts,
+            uneven: false,
             warnings,
             source,
             ..self.clone()

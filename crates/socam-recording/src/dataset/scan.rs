@@ -90,6 +90,7 @@ impl Dataset {
             sample_time_s,
             rows: tally.rows,
             parts: 1,
+            uneven: false,
             lost_samples: end.lost_samples,
             cut: end.cut,
             contents: end.contents.map(Arc::new),

@@ -126,7 +126,7 @@ impl Maker {
 
 fn answer(task: &Diagnose, chosen: &Chosen, handle: &Handle) -> Result<Answer, String> {
     let model = task.model.changed(chosen.model.clone()).map_err(sentence)?;
-    let training = datasets(&chosen.training, Grid::Diagnosis(&model), handle)?;
+    let training = datasets(&chosen.training, Grid::Fit, handle)?;
     handle.doing("hashing the recordings".into());
     refuse_copies(&selections(&chosen.training)?, &selections(&chosen.held_out)?)
         .map_err(|e| e.to_string())?;

@@ -30,8 +30,8 @@ pub(super) struct Found {
 /// Fits the chosen recordings and predicts all of them.
 pub(super) fn identify(task: &Identify, chosen: &Chosen, handle: &Handle) -> Result<Found, String> {
     let model = task.model.changed(chosen.model.clone()).map_err(sentence)?;
-    let training = datasets(&chosen.training, Grid::Fit(&model), handle)?;
-    let held_out = datasets(&chosen.held_out, Grid::Fit(&model), handle)?;
+    let training = datasets(&chosen.training, Grid::Fit, handle)?;
+    let held_out = datasets(&chosen.held_out, Grid::Fit, handle)?;
     let paths = chosen.training.iter().filter_map(|recording| recording.path());
     let calibrated = task.calibrated(model, paths).map_err(sentence)?;
     let mut done = task.run(&calibrated, &training, &held_out, monitor(handle)).map_err(sentence)?;

@@ -70,11 +70,11 @@ impl Session {
         let theirs = overlay.clone();
         let job = Job::start("Learning from the healthy recordings", wake, move |handle| {
             let model = task.model.changed(model).map_err(fitting::sentence)?;
-            let healthy = datasets(&healthy, Grid::Fit(&model), handle)?;
+            let healthy = datasets(&healthy, Grid::Even(&model), handle)?;
             let baseline = task.watching.baseline(&model, &healthy).map_err(fitting::sentence)?;
             let (channels, replay) = match source {
                 Source::Replay { recording, speed } => {
-                    let data = Grid::Fit(&model).apply(recording.dataset()?).map_err(sentence)?;
+                    let data = Grid::Even(&model).apply(recording.dataset()?).map_err(sentence)?;
                     (data.channels().to_vec(), Some((data, speed)))
                 }
                 Source::Live(channels) => (channels, None),

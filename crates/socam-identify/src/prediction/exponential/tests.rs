@@ -19,7 +19,7 @@ fn steps_of_all_lengths_are_exponentials() {
     equations.ports = vec![socam_model::Port { effect, law, place, parameters: vec![0, 1], law_input: 0 }];
     let dimensions = Dimensions { states: n, inputs: 1, ports: 1, free: 0 };
     let step_s = 1e-3;
-    let levels = levels(&equations, &[], step_s).unwrap();
+    let levels = levels(&equations, &[], SampleSteps::Even(step_s)).unwrap();
     for (index, level) in levels.iter().enumerate() {
         let h = step_s * 0.5_f64.powi(index as i32);
         // x' = A x + B u + H f, u' = u1, u1' = u2, f' = f1, f1' = f2, over unit time.

@@ -1,8 +1,10 @@
 //! Prediction of one segment: recursions of the modes, block by block.
 
+use std::ops::Range;
+
 use faer::reborrow::ReborrowMut;
 
-use super::{Modal, offset_channels};
+use super::{Modal, offset_channels, uneven::UnevenResponses};
 use crate::{
     IdentifyError, Intersample,
     evaluation::{
@@ -16,7 +18,7 @@ use crate::{
         products::{LinearMap, Signals},
         recursion::{self, Recursion},
     },
-    preprocessing::segments::{self, Chunk},
+    preprocessing::segments::{self, Chunk, Segment, UnevenSteps},
     problem::Problem,
 };
 
@@ -34,7 +36,7 @@ impl Modal {
         rows: &mut ResidualAccumulator<'_>,
     ) -> Result<bool, IdentifyError> {
         let segment = &problem.segments[index];
-        let mut run = ModalRun::new(self, problem, segment.sample_time_s, rows.capacity());
+        let mut run = ModalRun::new(self, problem, segment, rows.capacity());
         let mut finite = true;
         segments::read(
             problem.model,
@@ -70,10 +72,14 @@ struct ModalRun<'m> {
     starts: Signals,
     /// Zeros, the input of the start terms.
     no_input: Vec<f64>,
+    /// In place of `recursions` and `decays` where steps are uneven.
+    uneven: Option<UnevenResponses>,
 }
 
 impl<'m> ModalRun<'m> {
-    fn new(modal: &'m Modal, problem: &Problem<'_>, step_s: f64, capacity: usize) -> Self {
+    fn new(modal: &'m Modal, problem: &Problem<'_>, segment: &Segment, capacity: usize) -> Self {
+        let step_s = segment.sample_time_s;
+        let uneven = || UnevenResponses::new(modal.inputs, modal.modes.len());
         let at_rest = |kind: Intersample| -> Vec<Recursion> {
             let one = |mode: &Mode| Recursion::new(Hold::new(mode.pole, step_s, kind), mode.real);
             modal.modes.iter().map(one).collect()
@@ -94,6 +100,7 @@ impl<'m> ModalRun<'m> {
             forced: Signals::new(capacity, modal.forced_signals()),
             starts: Signals::new(capacity, 2 * modal.mode_signals()),
             no_input: Vec::new(),
+            uneven: segment.longest_step_s.map(|_| uneven()),
         }
     }
 
@@ -124,10 +131,18 @@ impl<'m> ModalRun<'m> {
         nuisance: &[f64],
         rows: &mut ResidualAccumulator<'_>,
     ) -> bool {
-        self.forced(chunk, from, count);
-        self.decaying = self.decaying && self.decays.iter().any(|decay| decay.size() > DECAYED);
-        if self.decaying {
-            self.starts(count);
+        let starts = |run: &Self| match &run.uneven {
+            Some(uneven) => uneven.start_size() > DECAYED,
+            None => run.decays.iter().any(|decay| decay.size() > DECAYED),
+        };
+        self.decaying = self.decaying && starts(self);
+        if let Some(steps) = &chunk.steps {
+            self.all_uneven(chunk, steps, from..from + count);
+        } else {
+            self.forced(chunk, from, count);
+            if self.decaying {
+                self.starts(count);
+            }
         }
         self.row += count;
         let measured: Vec<&[f64]> = chunk.outputs.iter().map(|output| &output[from..from + count]).collect();
@@ -175,6 +190,37 @@ impl<'m> ModalRun<'m> {
                 }
             }
         }
+    }
+
+    /// Computes all signals of a block over uneven steps.
+    fn all_uneven(&mut self, chunk: &Chunk, steps: &UnevenSteps, rows: Range<usize>) {
+        let Some(responses) = &mut self.uneven else { return };
+        let (modal, count) = (self.modal, rows.len());
+        let per_input = 1 + 2 * modal.mode_signals();
+        let mut places: Vec<usize> = Vec::with_capacity(modal.modes.len());
+        modal.modes.iter().fold(0, |place, mode| {
+            places.push(place);
+            place + mode.signals()
+        });
+        let mut forced: Vec<&mut [f64]> = self.forced.iter_mut(count).collect();
+        let mut starts: Vec<&mut [f64]> = self.starts.iter_mut(count).collect();
+        for (input, signals) in forced.chunks_mut(per_input).enumerate() {
+            match chunk.inputs.get(input) {
+                Some(values) => signals[0].copy_from_slice(&values[rows.clone()]),
+                None => signals[0].fill(1.0),
+            }
+        }
+        responses.advance(&modal.modes, steps, rows, self.row == 0, |input, k, m, (chi, psi)| {
+            let signals =
+                if input < modal.inputs { &mut forced[input * per_input + 1..] } else { &mut starts[..] };
+            let derivative = places[m] + modal.mode_signals();
+            signals[places[m]][k] = chi.re;
+            signals[derivative][k] = psi.re;
+            if !modal.modes[m].real {
+                signals[places[m] + 1][k] = chi.im;
+                signals[derivative + 1][k] = psi.im;
+            }
+        });
     }
 
     /// Computes the start signals of a block: the decaying terms, and t times these, their derivative with respect to the pole.
