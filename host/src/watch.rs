@@ -20,6 +20,8 @@ struct Waiting {
     /// Number of interrupts before the fit.
     before: u32,
     since: Instant,
+    /// The part of a work of several fits that is done now, and how much is usually done before it.
+    part: Mutex<Option<String>>,
     display: Display,
 }
 
@@ -32,7 +34,9 @@ enum Display {
 
 impl Observer for Waiting {
     fn progress(&self, progress: &Progress) {
-        let text = if self.stop() { format!("ending: {progress}") } else { progress.to_string() };
+        let part = self.part.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let doing = part.unwrap_or_else(|| progress.to_string());
+        let text = if self.stop() { format!("ending: {doing}") } else { doing };
         match &self.display {
             Display::Line(bar) => bar.set_message(text),
             Display::Lines(last) => {
@@ -43,6 +47,12 @@ impl Observer for Waiting {
                 }
             }
         }
+    }
+
+    fn part(&self, name: &str, done: f64) {
+        let percent = (100.0 * done).round();
+        let text = if done > 0.0 { format!("{name} (about {percent} % done)") } else { name.to_owned() };
+        *self.part.lock().unwrap_or_else(PoisonError::into_inner) = Some(text);
     }
 
     fn stop(&self) -> bool {
@@ -58,6 +68,7 @@ pub(crate) fn fit<T>(interrupt: &Interrupt, lines: bool, work: impl FnOnce(Progr
         interrupt: interrupt.clone(),
         before: interrupt.count(),
         since: Instant::now(),
+        part: Mutex::new(None),
         display,
     });
     interrupt.end_after(1);

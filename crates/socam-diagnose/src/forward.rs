@@ -115,6 +115,7 @@ impl Path {
             (self.unexplained, self.unexamined) = (None, Some(Unexamined::Curves));
         }
         if let Some(curve) = &self.unexplained {
+            self.begin_part(context, "laws in the place of a curve", 0.8);
             let mut overlooked = self.overlooked(curve, &tried);
             // The effect chosen before the curve was fitted competes again.
             let is_chosen = |candidate: &Candidate| {
@@ -144,6 +145,7 @@ impl Path {
             context.journal.note(&choice.term.candidate, Fate::Remainder);
             return Ok(false);
         }
+        self.begin_part(context, "other laws at the place, and terms before it", 0.85);
         self.add(context, choice)?;
         Ok(true)
     }

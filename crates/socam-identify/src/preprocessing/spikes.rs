@@ -31,11 +31,17 @@ const ABOVE_MOTION: f64 = 1.5;
 const MOST_ROWS: usize = 2;
 /// Rows on either side of a deviation that its test looks at.
 const NEAR: usize = 8;
-/// Largest share of a channel's rows that can be spikes, of an input and of an output. If there are more, they are part of its motion. A bus or
-/// an encoder fails one read in fifty; a drive's command may well be a row of pulses.
-const MOST_SHARE: [f64; 2] = [0.005, 0.025];
+/// Largest share of a channel's rows that can be spikes. If there are more, they are part of its motion. A bus or an encoder fails one read in
+/// fifty.
+const MOST_SHARE: f64 = 0.025;
+/// Share of an input's rows above which its spikes may be a command, a row of pulses, and must be irregular.
+const FEW: f64 = 0.005;
+/// Least share of single rows among irregular spikes, and least standard deviation of their distances relative to the mean: 1 where each row
+/// may fail alike, 0 for a row of pulses.
+const SINGLE: f64 = 0.8;
+const IRREGULAR: f64 = 0.5;
 /// Most large deviations in a block; a spike makes up to seven. If there are more, they are part of the motion.
-const MOST_SUDDEN: [usize; 2] = [100, 300];
+const MOST_SUDDEN: usize = 300;
 /// Least size of an output's spike, in units of its resolution: where a slow encoder counts once in many rows, each count is a spike.
 const MANY_STEPS: f64 = 8.0;
 /// Rows on either side that the polynomial passes through.
@@ -87,8 +93,20 @@ fn in_channel(
     let each: Result<Vec<Vec<(u64, f64)>>, IdentifyError> = each.collect();
     let found: Vec<(u64, f64)> = each?.into_iter().flatten().collect();
     let rows: u64 = segments.iter().map(|segment| segment.rows).sum();
-    let few = found.len() as f64 <= MOST_SHARE[usize::from(channel.role == Role::Output)] * rows as f64;
-    Ok(if few { found } else { Vec::new() })
+    let share = found.len() as f64 / rows.max(1) as f64;
+    let may_be_many = || channel.role == Role::Output || are_irregular(&found);
+    let are_spikes = share <= FEW || share <= MOST_SHARE && may_be_many();
+    Ok(if are_spikes { found } else { Vec::new() })
+}
+
+/// Whether spikes are single rows at irregular distances, as failed reads are and pulses of a command are not.
+fn are_irregular(found: &[(u64, f64)]) -> bool {
+    let distances: Vec<f64> = found.windows(2).map(|pair| (pair[1].0 - pair[0].0) as f64).collect();
+    let apart: Vec<f64> = distances.iter().copied().filter(|distance| *distance > 1.0).collect();
+    let count = apart.len() as f64;
+    let mean = apart.iter().sum::<f64>() / count;
+    let variance = apart.iter().map(|distance| (distance - mean).powi(2)).sum::<f64>() / count;
+    count > SINGLE * distances.len() as f64 && variance.sqrt() > IRREGULAR * mean
 }
 
 /// Spikes of one segment; the uninterrupted rows on either side of it are taken into account.
@@ -109,8 +127,7 @@ fn in_segment(
 /// Positions of spikes, ascending, and their imputed values.
 fn spikes_in(values: &[f64], role: Role) -> Vec<(usize, f64)> {
     let mut values = values.to_vec();
-    let is_output = role == Role::Output;
-    let resolved = if is_output { MANY_STEPS * resolution(&values) } else { 0.0 };
+    let resolved = if role == Role::Output { MANY_STEPS * resolution(&values) } else { 0.0 };
     let mut found = Vec::new();
     let deviations: Vec<f64> = (0..values.len()).map(|k| deviation(&values, k)).collect();
     let mut workspace = Vec::new();
@@ -119,7 +136,7 @@ fn spikes_in(values: &[f64], role: Role) -> Vec<(usize, f64)> {
         let least =
             (THRESHOLD * spread(block, &mut workspace)).max(1e-9 * size(&values[from..from + block.len()]));
         let least = least.max(resolved);
-        let most = MOST_SUDDEN[usize::from(is_output)] * block.len() / BLOCK;
+        let most = MOST_SUDDEN * block.len() / BLOCK;
         if block.iter().filter(|own| **own > least).count() > most {
             continue;
         }
@@ -305,6 +322,16 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn pulses_are_regular_and_failed_reads_are_not() {
+        let spikes = |at: fn(u64) -> u64| -> Vec<(u64, f64)> { (0..200).map(|k| (at(k), 0.0)).collect() };
+        assert!(!are_irregular(&spikes(|k| 60 * k)));
+        assert!(!are_irregular(&spikes(|k| 60 * k + k % 7)));
+        assert!(are_irregular(&spikes(|k| 60 * k + k * k * 31 % 59)));
+        // Pulses of two rows, at irregular distances.
+        assert!(!are_irregular(&spikes(|k| 60 * (k / 2) + k % 2 + (k / 2).pow(2) * 31 % 57)));
     }
 
     /// One read in sixty fails, as zero or as the end of the range; an encoder's single counts are no failed reads.
