@@ -254,3 +254,31 @@ fn stepped(
     }
     next
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate self as socam_identify;
+
+    use super::*;
+
+    /// Of five samples two are lost, so that steps have one and two milliseconds.
+    #[test]
+    fn a_motion_with_uneven_stamps_is_read() -> Result<(), Box<dyn std::error::Error>> {
+        let (model, [even]) = include!("../tests/doc/axis.rs");
+        let loaded = even.load_all()?;
+        let kept = |values: &[f64]| -> Vec<f64> {
+            let rows = values.iter().enumerate().filter(|(row, _)| [0, 1, 3].contains(&(row % 5)));
+            rows.map(|(_, value)| *value).collect()
+        };
+        let columns = loaded.columns.iter().map(|column| kept(column.values())).collect();
+        let uneven = Dataset::from_columns("run", even.channels().to_vec(), kept(&loaded.time_s), columns)?
+            .on_its_stamps()?;
+        assert!(uneven.steps()?.are_irregular() && uneven.segments().len() == 1);
+        let far: Vec<f64> = model.values().iter().map(|value| 5.0 * value).collect();
+        let motion = PrescribedMotion::read(&model, &[uneven])?.ok_or("an axis")?;
+        let found = motion.fit(&model, &far).ok_or("an axis")?;
+        let mass = model.parameter("mass").ok_or("a mass")?;
+        assert!((found.values[mass] / model.values()[mass] - 1.0).abs() < 0.05, "{} kg", found.values[mass]);
+        Ok(())
+    }
+}
