@@ -329,7 +329,7 @@ mod tests {
         let spikes = |at: fn(u64) -> u64| -> Vec<(u64, f64)> { (0..200).map(|k| (at(k), 0.0)).collect() };
         assert!(!are_irregular(&spikes(|k| 60 * k)));
         assert!(!are_irregular(&spikes(|k| 60 * k + k % 7)));
-        assert!(are_irregular(&spikes(|k| 60 * k + k * k * 31 % 59)));
+        assert!(are_irregular(&spikes(|k| (0..k).map(|j| 2 + (j * j * 31 % 59).pow(2) / 15).sum())));
         // Pulses of two rows, at irregular distances.
         assert!(!are_irregular(&spikes(|k| 60 * (k / 2) + k % 2 + (k / 2).pow(2) * 31 % 57)));
     }
