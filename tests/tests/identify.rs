@@ -81,6 +81,29 @@ fn identify_says_what_a_recording_determines_and_what_not() {
 
 /// At rest the law is sharply curved: if start states were moved as if it were linear, no step of the other parameters would reduce
 /// the cost.
+/// Of five samples two are lost: steps of one and two samples, and no grid of gaps.
+#[test]
+fn a_recording_with_uneven_stamps_determines_what_an_even_one_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("uneven.csv");
+    let whole = BENCH.csv(4.0, 1);
+    let kept = whole.lines().enumerate().filter(|(line, _)| *line == 0 || [1, 2, 4].contains(&(line % 5)));
+    std::fs::write(&recording, kept.map(|(_, line)| format!("{line}\n")).collect::<String>()).unwrap();
+    let recording = recording.to_str().unwrap();
+    let result = run(["identify", recording, "--json"]).json();
+    assert_eq!(result["fit_verdict"], "explained");
+    let parameters = by_name(&result["parameters"]);
+    for (name, truth) in [("k4", BENCH.k4), ("c4", BENCH.c4), ("c5", BENCH.c5)] {
+        assert!(holds(parameters[name], truth), "{truth}: {}", parameters[name]);
+    }
+    // The motion has lines up to a sixth of the mean rate, between whose samples a polynomial errs by a little.
+    let series = &by_name(&result["combinations"])["k_series_12"]["value"];
+    assert_between(series, 0.997 * BENCH.k_series_12(), 1.003 * BENCH.k_series_12());
+    let Ran { stdout, stderr, .. } = run(["diagnose", recording]);
+    assert!(stderr.contains("integrated from stamp to stamp"), "{stderr}");
+    assert!(stdout.contains("Nothing is missing that"), "{stdout}");
+}
+
 #[test]
 fn a_loss_in_the_mesh_is_identified_from_a_start_at_rest() {
     let folder = tempfile::tempdir().unwrap();
