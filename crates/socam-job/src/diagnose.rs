@@ -177,12 +177,13 @@ impl Diagnose {
             opened.lock().unwrap_or_else(PoisonError::into_inner).push(data.clone());
             data
         };
-        let grid = Grid::Fit;
         let held_out = held_out.into_iter().fold(HeldOut::none(), |all, recording| match recording {
-            HeldOutRecording::File(run) => all.with(run.clone(), move || grid.open(&run).map(keep)),
-            HeldOutRecording::Open(data) => all.with_dataset(data, move |data| grid.apply(data).map(keep)),
+            HeldOutRecording::File(run) => all.with(run.clone(), move || Grid::Fit.open(&run).map(keep)),
+            HeldOutRecording::Open(data) => {
+                all.with_dataset(data, move |data| Grid::Fit.apply(data).map(keep))
+            }
             HeldOutRecording::Unopened(name, open) => all.with(name, move || {
-                open().and_then(|data| grid.apply(data).map(keep).map_err(|error| error.to_string()))
+                open().and_then(|data| Grid::Fit.apply(data).map(keep).map_err(|error| error.to_string()))
             }),
         });
         let progress = progress.within(Budget::seconds(self.budget_s, SEARCH_SHARE));

@@ -39,8 +39,8 @@ impl SampleSteps {
 }
 
 /// The maps of steps of a sample, half a sample, and so on to the shortest step; that of a sample alone where all samples have the same step
-/// and `equations` have no ports. `sensitivities` are the derivatives of `equations` with respect to the free parameters. `None` where the exponential
-/// overflows.
+/// and `equations` have no ports. `sensitivities` are the derivatives of `equations` with respect to the free parameters. `None` where the
+/// exponential overflows.
 pub(crate) fn levels(
     equations: &Equations,
     sensitivities: &[Equations],

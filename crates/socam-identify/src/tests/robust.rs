@@ -49,6 +49,25 @@ fn samples(result: &Identification, channel: &str, reason: Reason) -> u64 {
     own.map(|note| note.samples).sum()
 }
 
+/// More than one in a hundred, as a bus fails; a command may have as many pulses, but at regular distances.
+#[test]
+fn failed_reads_of_an_input_are_replaced_and_pulses_are_not() {
+    let whole = bench(TRUTH, 4.0, 1.0, 21);
+    let model = model(|text| text);
+    let replaced = |at: &dyn Fn(usize) -> usize| {
+        let failing = changed(&whole, |_| true, |columns| (1..48).for_each(|k| columns[0][at(k)] = 0.0));
+        let problem = Problem::new(&model, std::slice::from_ref(&failing), Options::default()).unwrap();
+        problem
+            .left_out
+            .iter()
+            .filter(|note| note.reason == Reason::Imputed)
+            .map(|note| note.samples)
+            .sum::<u64>()
+    };
+    assert_eq!(replaced(&|k| (0..k).map(|j| 20 + (j * j * 31 % 59).pow(2) / 30).sum()), 47);
+    assert_eq!(replaced(&|k| 80 * k), 0);
+}
+
 #[test]
 fn spikes_saturation_and_gaps_do_not_move_the_estimates() {
     let whole = [bench(TRUTH, 4.0, 1.0, 21), bench(TRUTH, 3.0, 1.0, 22), bench(TRUTH, 2.5, 1.0, 23)];

@@ -125,7 +125,8 @@ impl Dataset {
         Ok(Self { segments, sample_time_s, uneven: true, warnings, ..self })
     }
 
-    /// The recording in parts of at most `rows` rows, each a segment of its own as if a gap followed it.
+    /// The recording cut after every `rows` rows into parts, each a segment of its own: without its last row, which makes a gap to the next.
+    /// Times and angles are those of the whole recording.
     ///
     /// ```
     /// use socam_recording::{Channel, Dataset, Unit};
@@ -134,25 +135,37 @@ impl Dataset {
     /// let speed = time_s.iter().map(|t| 2.0 * t).collect();
     /// let data = Dataset::from_columns("run", vec![Channel::new("speed", Unit::RadPerS)], time_s, vec![speed])?;
     /// let parts = data.in_parts(10)?;
-    /// assert_eq!(parts.segments().iter().map(|part| part.rows).collect::<Vec<_>>(), [10, 10, 5]);
-    /// assert_eq!((parts.segments()[1].first_row, parts.segments()[2].start_s), (10, 2.0));
+    /// assert_eq!(parts.segments().iter().map(|part| part.rows).collect::<Vec<_>>(), [9, 9, 5]);
+    /// assert_eq!((parts.rows(), parts.segments()[1].first_row, parts.segments()[2].start_s), (23, 9, 2.0));
     /// # Ok::<(), socam_recording::RecordingError>(())
     /// ```
     ///
     /// # Errors
     /// When the recording cannot be read again.
     pub fn in_parts(&self, rows: u64) -> Result<Self> {
-        let stamps = self.stamps()?;
-        let part = |whole: &Segment, first_row: u64| {
-            let rows = rows.max(1).min(whole.end_row() - first_row);
-            let (start_s, end_s) = (stamps[first_row as usize], stamps[(first_row + rows - 1) as usize]);
-            Segment { first_row, rows, start_s, end_s, ..*whole }
+        let length = rows.max(2);
+        let loaded = self.load_all()?;
+        let kept = |values: &[f64]| -> Vec<f64> {
+            let rows = values.iter().zip(1_u64..).filter(|(_, number)| number % length != 0);
+            rows.map(|(value, _)| *value).collect()
         };
-        let segments = self.segments.iter().flat_map(|whole| {
-            let first = (whole.first_row..whole.end_row()).step_by(rows.max(1) as usize);
-            first.map(|first_row| part(whole, first_row))
+        let part = |whole: &Segment, number: u64| {
+            let first = whole.first_row.max(number * length);
+            let end = whole.end_row().min((number + 1) * length - 1);
+            let (start_s, end_s) = (loaded.time_s.get(first as usize)?, loaded.time_s.get(end as usize - 1)?);
+            // One row was left out of each part before this one.
+            let first_row = first - number;
+            let rows = end.checked_sub(first).filter(|rows| *rows > 0)?;
+            Some(Segment { first_row, rows, start_s: *start_s, end_s: *end_s, ..*whole })
+        };
+        let parts = self.segments.iter().flat_map(|whole| {
+            let numbers = whole.first_row / length..whole.end_row().div_ceil(length);
+            numbers.filter_map(|number| part(whole, number))
         });
-        Ok(Self { segments: segments.collect(), ..self.clone() })
+        let segments = parts.collect();
+        let columns = loaded.columns.iter().map(|column| kept(column.values())).collect();
+        let copy = self.with_columns(kept(&loaded.time_s), columns)?;
+        Ok(Self { segments, sample_time_s: self.sample_time_s, ..copy })
     }
 
     /// A recording in memory with other values, of all rows of this one or of its first: as even or uneven, and with the same segments where
@@ -162,11 +175,12 @@ impl Dataset {
     /// As [`Dataset::from_columns`].
     pub fn with_columns(&self, time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Result<Self> {
         let copy = Self::from_columns(self.name(), self.channels().to_vec(), time_s, columns)?;
-        let copy = Self { parts: self.parts, ..if self.uneven { copy.on_its_stamps()? } else { copy } };
-        if copy.rows < self.rows {
-            return Ok(copy);
+        let copy = Self { parts: self.parts, ..copy };
+        if copy.rows == self.rows {
+            let segments = self.segments.clone();
+            return Ok(Self { segments, sample_time_s: self.sample_time_s, uneven: self.uneven, ..copy });
         }
-        Ok(Self { segments: self.segments.clone(), sample_time_s: self.sample_time_s, ..copy })
+        if self.uneven { copy.on_its_stamps() } else { Ok(copy) }
     }
 
     /// The recording on a regular grid of `parts` points per median step; `carry` says how each channel is resampled.

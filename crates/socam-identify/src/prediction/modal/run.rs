@@ -197,11 +197,6 @@ impl<'m> ModalRun<'m> {
         let Some(responses) = &mut self.uneven else { return };
         let (modal, count) = (self.modal, rows.len());
         let per_input = 1 + 2 * modal.mode_signals();
-        let mut places: Vec<usize> = Vec::with_capacity(modal.modes.len());
-        modal.modes.iter().fold(0, |place, mode| {
-            places.push(place);
-            place + mode.signals()
-        });
         let mut forced: Vec<&mut [f64]> = self.forced.iter_mut(count).collect();
         let mut starts: Vec<&mut [f64]> = self.starts.iter_mut(count).collect();
         for (input, signals) in forced.chunks_mut(per_input).enumerate() {
@@ -210,15 +205,16 @@ impl<'m> ModalRun<'m> {
                 None => signals[0].fill(1.0),
             }
         }
-        responses.advance(&modal.modes, steps, rows, self.row == 0, |input, k, m, (chi, psi)| {
+        let half = modal.mode_signals();
+        responses.advance(&modal.modes, steps, rows, self.row == 0, |input, k, place, (chi, psi)| {
             let signals =
                 if input < modal.inputs { &mut forced[input * per_input + 1..] } else { &mut starts[..] };
-            let derivative = places[m] + modal.mode_signals();
-            signals[places[m]][k] = chi.re;
-            signals[derivative][k] = psi.re;
-            if !modal.modes[m].real {
-                signals[places[m] + 1][k] = chi.im;
-                signals[derivative + 1][k] = psi.im;
+            signals[place.start][k] = chi.re;
+            signals[half + place.start][k] = psi.re;
+            // A pair of modes has an imaginary part too.
+            if place.len() == 2 {
+                signals[place.start + 1][k] = chi.im;
+                signals[half + place.start + 1][k] = psi.im;
             }
         });
     }

@@ -1,9 +1,11 @@
 //! Responses of the modes over steps of different lengths: each step has its own factors, which are exact for the input's polynomial.
 
+use std::ops::Range;
+
 use nalgebra::Complex;
 
 use crate::{
-    prediction::{intersample::InputPolynomial, modes::Mode, phi::ModeStep},
+    prediction::{modes::Mode, phi::ModeStep},
     preprocessing::segments::UnevenSteps,
 };
 
@@ -36,23 +38,25 @@ impl UnevenResponses {
     }
 
     /// Advances over the steps that end at `rows` (none before the segment's first row, `is_first`). `write` is called for each input and
-    /// row with the position in the block, the mode and its response.
+    /// row with the position in the block, the places of the mode's signals among those of all modes, and its response.
     pub(super) fn advance(
         &mut self,
         modes: &[Mode],
         steps: &UnevenSteps,
-        rows: std::ops::Range<usize>,
+        rows: Range<usize>,
         is_first: bool,
-        mut write: impl FnMut(usize, usize, usize, Response),
+        mut write: impl FnMut(usize, usize, &Range<usize>, Response),
     ) {
         let start = self.responses.len() - 1;
         for (position, k) in rows.enumerate() {
+            let mut place = 0..0;
             for (m, mode) in modes.iter().enumerate() {
+                place = place.end..place.end + mode.signals();
                 let step = ModeStep::new(mode.pole, steps.length_s(k));
                 for (input, responses) in self.responses.iter_mut().enumerate() {
                     if position > 0 || !is_first {
                         let along = match steps.input(input, k) {
-                            Some(polynomial) => InputPolynomial::coefficients(polynomial),
+                            Some(polynomial) => polynomial.coefficients(),
                             None if input < start => &ONE,
                             None => &ZERO,
                         };
@@ -63,7 +67,7 @@ impl UnevenResponses {
                             step.decay * psi + step.decay_sensitivity * chi + moved,
                         );
                     }
-                    write(input, position, m, responses[m]);
+                    write(input, position, &place, responses[m]);
                 }
             }
         }

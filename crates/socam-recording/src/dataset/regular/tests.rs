@@ -70,3 +70,30 @@ fn a_steady_rate_with_lost_samples_is_regular() {
     let data = Dataset::from_columns("steady", vec![Channel::new("a", Unit::Nm)], time_s, values).unwrap();
     assert!(!data.steps().unwrap().are_irregular());
 }
+
+/// Parts are segments at their own times, of a whole number of parts too, and a gap of the recording stays one.
+#[test]
+fn a_recording_is_cut_into_parts() {
+    let channels = || vec![Channel::new("angle", Unit::Rad)];
+    for (rows, gap_at, expected) in
+        [(100, 1000, vec![39, 39, 20]), (80, 1000, vec![39, 39]), (100, 50, vec![39, 10, 29, 20])]
+    {
+        let time_s: Vec<f64> =
+            (0..rows).map(|k| 0.01 * f64::from(k) + if k >= gap_at { 1.0 } else { 0.0 }).collect();
+        let angle = time_s.iter().map(|t| 3.0 * t).collect();
+        let even = Dataset::from_columns("run", channels(), time_s, vec![angle]).unwrap();
+        for whole in [even.clone(), even.on_its_stamps().unwrap()] {
+            let parts = whole.in_parts(40).unwrap();
+            assert_eq!(parts.segments().iter().map(|part| part.rows).collect::<Vec<_>>(), expected);
+            assert_eq!(parts.segments().last().unwrap().end_row(), parts.rows());
+            assert_eq!(parts.has_uneven_steps(), whole.has_uneven_steps());
+            let loaded = parts.load(&["angle_rad"]).unwrap();
+            let (time_s, angle) = (&loaded.time_s, loaded.columns[0].values());
+            assert!(time_s.iter().zip(angle).all(|(t, angle)| (angle - 3.0 * t).abs() < 1e-12));
+            for part in parts.segments() {
+                let rows = [part.first_row, part.end_row() - 1].map(|row| time_s[row as usize]);
+                assert_eq!(rows, [part.start_s, part.end_s]);
+            }
+        }
+    }
+}
