@@ -12,16 +12,19 @@ use crate::error::Result;
 /// changed.
 const NEAR: f64 = 0.6;
 const NEXT: f64 = 1.6;
-/// Rows that are compared, and fewest of these.
+/// Rows that are read for a comparison.
 const MOST_ROWS: usize = 20_000;
+/// Share of the rows that are compared, those whose value differs most between the two times, and fewest rows.
+const COMPARED: usize = 10;
 const FEWEST_ROWS: usize = 200;
-/// Ratio of the distances from a smooth curve, on the stamps over on even times, from which even times are right; of no channel may it be as
-/// far on the other side as `OPPOSED`.
-const RIGHT: f64 = 1.2;
-const OPPOSED: f64 = 0.95;
+/// Ratio of the distances from a smooth curve, on the stamps over on even times, below which a channel was sampled at its stamps.
+const AT_STAMPS: f64 = 0.92;
+/// The same ratio above which it was sampled evenly.
+const EVENLY: f64 = 1.2;
 
 impl Dataset {
-    /// The recording on even times where its stamps are uneven and its samples say that they were taken evenly; otherwise unchanged.
+    /// The recording on even times where its stamps are uneven and no channel says that it was sampled at them; otherwise unchanged. Where the
+    /// samples cannot tell the two times apart, either predicts them alike, and even times are integrated faster.
     ///
     /// # Errors
     /// When the recording cannot be read again, or there is room for it neither in memory nor on disk.
@@ -32,9 +35,7 @@ impl Dataset {
         }
         let stamps = self.stamps()?;
         let Some(even) = even_times(&stamps, BRIDGED * steps.median_s) else { return Ok(self) };
-        if !self.is_smoother_on(&stamps, &even)? {
-            return Ok(self);
-        }
+        let Some(why) = self.why_even(&stamps, &even)? else { return Ok(self) };
         let mut out = Resampled::new(self.channels().len(), self.rows());
         let mut times = even.iter();
         for block in self.blocks()? {
@@ -45,7 +46,7 @@ impl Dataset {
         }
         let most = stamps.iter().zip(&even).map(|(stamp, even)| (stamp - even).abs()).fold(0.0, f64::max);
         let note = format!(
-            "its time stamps are off by up to {:.3} ms, but its samples were taken evenly, every {:.3} ms: they follow smoother curves so, and even times were used",
+            "its time stamps are off by up to {:.3} ms from even times, every {:.3} ms, which were used: {why}",
             1e3 * most,
             1e3 * steps.median_s
         );
@@ -61,15 +62,27 @@ impl Dataset {
         Ok(stamps)
     }
 
-    /// Whether the channels follow smooth curves over these times rather than over their stamps.
-    fn is_smoother_on(&self, stamps: &[f64], even: &[f64]) -> Result<bool> {
+    /// Why even times are right, as a part of a sentence; `None` where a channel follows a smoother curve over the stamps, or no channel says
+    /// anything.
+    fn why_even(&self, stamps: &[f64], even: &[f64]) -> Result<Option<&'static str>> {
         let rows = stamps.len().min(MOST_ROWS);
         let columns = self.load_rows(0..rows as u64)?.columns;
-        let ratio =
-            |values: &[f64]| Some(roughness(&stamps[..rows], values)? / roughness(&even[..rows], values)?);
+        let (stamps, even) = (&stamps[..rows], &even[..rows]);
+        let ratio = |values: &[f64]| {
+            let compared = most_moved(stamps, even, values)?;
+            Some(roughness(stamps, values, &compared)? / roughness(even, values, &compared)?)
+        };
         let ratios = columns.iter().filter_map(|own| ratio(own.values()));
         let ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite()).collect();
-        Ok(ratios.iter().any(|ratio| *ratio > RIGHT) && ratios.iter().all(|ratio| *ratio > OPPOSED))
+        if ratios.is_empty() || ratios.iter().any(|ratio| *ratio < AT_STAMPS) {
+            return Ok(None);
+        }
+        let is_told = ratios.iter().any(|ratio| *ratio > EVENLY);
+        Ok(Some(if is_told {
+            "its samples follow smoother curves over them"
+        } else {
+            "its samples follow equally smooth curves over both"
+        }))
     }
 }
 
@@ -101,23 +114,39 @@ fn even_times(stamps: &[f64], gap_s: f64) -> Option<Vec<f64>> {
     even.is_sorted_by(|before, after| before < after).then_some(even)
 }
 
-/// Median distance of values from the cubic through two neighbours on either side, in units of what noise alone makes of it; `None` for too
-/// few values, or where most lie on that curve.
-fn roughness(times: &[f64], values: &[f64]) -> Option<f64> {
-    let mut distances: Vec<f64> = (2..values.len().saturating_sub(2))
-        .filter_map(|row| {
-            let beside = [row - 2, row - 1, row + 1, row + 2];
-            let weight = |own: usize| -> f64 {
-                let others = beside.iter().filter(|other| **other != own);
-                others.map(|other| (times[row] - times[*other]) / (times[own] - times[*other])).product()
-            };
-            let weights = beside.map(weight);
-            let curve: f64 = beside.iter().zip(weights).map(|(own, weight)| weight * values[*own]).sum();
-            let noise = (1.0 + weights.iter().map(|weight| weight * weight).sum::<f64>()).sqrt();
-            Some((values[row] - curve).abs() / noise).filter(|distance| distance.is_finite())
-        })
+/// Rows whose value differs most between the two times, by the slope there: [`COMPARED`] of all, and at least [`FEWEST_ROWS`]. `None` for too
+/// few values.
+fn most_moved(stamps: &[f64], even: &[f64], values: &[f64]) -> Option<Vec<usize>> {
+    let moved = |row: usize| ((values[row + 1] - values[row - 1]) * (stamps[row] - even[row])).abs();
+    let mut rows: Vec<(f64, usize)> = (2..values.len().saturating_sub(2))
+        .map(|row| (moved(row), row))
+        .filter(|(moved, _)| moved.is_finite())
         .collect();
-    if distances.len() < FEWEST_ROWS {
+    let count = (rows.len() / COMPARED).max(FEWEST_ROWS);
+    if rows.len() < count {
+        return None;
+    }
+    rows.select_nth_unstable_by(count - 1, |a, b| b.0.total_cmp(&a.0));
+    Some(rows[..count].iter().map(|(_, row)| *row).collect())
+}
+
+/// Median distance of values at some rows from the cubic through two neighbours on either side, in units of what noise alone makes of it;
+/// `None` where most lie on that curve.
+fn roughness(times: &[f64], values: &[f64], rows: &[usize]) -> Option<f64> {
+    let distance = |row: &usize| {
+        let row = *row;
+        let beside = [row - 2, row - 1, row + 1, row + 2];
+        let weight = |own: usize| -> f64 {
+            let others = beside.iter().filter(|other| **other != own);
+            others.map(|other| (times[row] - times[*other]) / (times[own] - times[*other])).product()
+        };
+        let weights = beside.map(weight);
+        let curve: f64 = beside.iter().zip(weights).map(|(own, weight)| weight * values[*own]).sum();
+        let noise = (1.0 + weights.iter().map(|weight| weight * weight).sum::<f64>()).sqrt();
+        (values[row] - curve).abs() / noise
+    };
+    let mut distances: Vec<f64> = rows.iter().map(distance).filter(|distance| distance.is_finite()).collect();
+    if distances.is_empty() {
         return None;
     }
     let middle = distances.len() / 2;
@@ -148,10 +177,24 @@ mod tests {
         let even = run(true).on_even_times().unwrap();
         assert!(!even.steps().unwrap().are_irregular());
         assert_eq!((even.rows(), even.segments().len()), (3000, 2));
-        assert!(even.warnings().iter().any(|warning| warning.to_string().contains("taken evenly")));
+        assert!(
+            even.warnings().iter().any(|warning| warning.to_string().contains("smoother curves over them"))
+        );
         let uneven = run(false).on_even_times().unwrap();
         assert!(uneven.steps().unwrap().are_irregular());
         assert!(uneven.warnings().is_empty());
+    }
+
+    #[test]
+    fn samples_that_cannot_tell_get_even_times() {
+        let noise = |k: u32| f64::from(k.wrapping_mul(2_246_822_519) >> 8) / f64::from(1_u32 << 24) - 0.5;
+        let stamps = (0..3000).map(|k| 1e-3 * (f64::from(k) + 0.3 * noise(k))).collect();
+        let slow = (0..3000).map(|k| 1e-3 * f64::from(k) + 0.1 * noise(k + 5000)).collect();
+        let run =
+            Dataset::from_columns("run", vec![Channel::new("speed", Unit::RadPerS)], stamps, vec![slow]);
+        let even = run.unwrap().on_even_times().unwrap();
+        assert!(!even.steps().unwrap().are_irregular());
+        assert!(even.warnings().iter().any(|warning| warning.to_string().contains("equally smooth")));
     }
 
     #[test]
