@@ -173,10 +173,7 @@ impl<'a> Integrator<'a> {
         let mut level = self.level.saturating_sub(1).min(finest);
         let mut done = 0;
         while done < length && !self.has_diverged {
-            while !done.is_multiple_of(whole >> level) {
-                level += 1;
-            }
-            // What is left of an uneven sample may be shorter than the laws ask for.
+            // After an event, and at the end of an uneven sample, a step is shorter than the laws ask for.
             let fits = |level: &usize| done.is_multiple_of(whole >> level) && whole >> level <= length - done;
             let fitting = (level..finest).find(fits).unwrap_or(finest);
             let (law_level, taken, error) = self.find_step(inputs, (done, length), fitting);
@@ -203,7 +200,7 @@ impl<'a> Integrator<'a> {
                 self.xi.fill(f64::NAN);
             }
             done += whole >> taken;
-            let doubled = level > 0 && done.is_multiple_of(whole >> (level - 1));
+            let doubled = taken == level && level > 0 && done.is_multiple_of(whole >> (level - 1));
             if error <= self.tolerance * DOUBLING_SHARE && doubled {
                 level -= 1;
             }
