@@ -2,7 +2,7 @@
 
 use crate::{
     IdentifyError,
-    evaluation::{self, Point, Weights, squares},
+    evaluation::{self, Point, SegmentEvaluation, Weights, squares},
     optimiser::{
         descent::{Descent, End, SHORTER},
         noise_estimation::first_weights,
@@ -17,7 +17,7 @@ use crate::{
 const MOST_START_STEPS: usize = 20;
 
 /// Share of the sum of squares below which the decrease by a step, or the predicted one in each segment, ends the fit.
-const SETTLED: f64 = 1e-9;
+const SETTLED: f64 = 1e-6;
 
 /// Rows of the heads of each segment to which the start states of a model with force laws are fitted, one after the other.
 const HEADS: [u64; 3] = [32, 128, 512];
@@ -135,30 +135,42 @@ pub(crate) fn squares_at(
     Ok(with_nuisance_fitted(problem, point, from.weights.clone())?.map(|at| at.cost))
 }
 
-/// Gauss-Newton in the nuisance parameters alone. One step is exact for a linear model; force laws need a few.
+/// Gauss-Newton in the nuisance parameters alone. One step is exact for a linear model; force laws need a few. Segments do not depend on each
+/// other here: each has its own steps, and is left alone once it has settled.
 pub(crate) fn refit(problem: &Problem<'_>, at: &mut Descent) -> Result<(), IdentifyError> {
     let still = vec![0.0; problem.free.len()];
-    let mut share = 1.0;
+    let mut shares = vec![1.0; at.evaluated.len()];
+    let has_settled =
+        |result: &SegmentEvaluation| result.nuisance_gain() <= SETTLED * result.weighted_squares;
     for _ in 0..MOST_START_STEPS {
-        if at.evaluated.iter().all(|result| result.nuisance_gain() <= SETTLED * result.weighted_squares) {
+        let is_open = |index: &usize| !has_settled(&at.evaluated[*index]) && shares[*index] >= LEAST_SHARE;
+        let open: Vec<usize> = (0..shares.len()).filter(is_open).collect();
+        if open.is_empty() {
             break;
         }
-        let trial = moved(problem, at.linearisation(), &still, share);
-        let evaluated = evaluation::run_below(problem, &trial, &at.weights, at.cost)?;
-        let evaluated = evaluated.filter(|evaluated| squares(evaluated) < at.cost);
+        let whole = moved(problem, at.linearisation(), &still, 1.0);
+        let part = |index: &usize| -> Vec<f64> {
+            let (from, to) = (&at.point.nuisance[*index], &whole.nuisance[*index]);
+            from.iter().zip(to).map(|(from, to)| from + shares[*index] * (to - from)).collect()
+        };
+        let trial = Point { values: at.point.values.clone(), nuisance: open.iter().map(part).collect() };
+        let segments = open.iter().map(|index| problem.segments[*index].clone()).collect();
+        let evaluated = evaluation::run(&problem.with_segments(segments), &trial, &at.weights)?;
         let Some(evaluated) = evaluated else {
-            share *= SHORTER;
-            if share < LEAST_SHARE {
-                break;
-            }
+            open.iter().for_each(|index| shares[*index] *= SHORTER);
             continue;
         };
-        let cost = squares(&evaluated);
-        let is_over = cost >= at.cost * (1.0 - SETTLED);
-        (at.point, at.evaluated, at.cost) = (trial, evaluated, cost);
-        if is_over {
-            break;
+        for ((index, result), nuisance) in open.into_iter().zip(evaluated).zip(trial.nuisance) {
+            let before = at.evaluated[index].weighted_squares;
+            if result.weighted_squares < before {
+                let is_over = result.weighted_squares >= before * (1.0 - SETTLED);
+                shares[index] = if is_over { 0.0 } else { (shares[index] / SHORTER).min(1.0) };
+                (at.point.nuisance[index], at.evaluated[index]) = (nuisance, result);
+            } else {
+                shares[index] *= SHORTER;
+            }
         }
     }
+    at.cost = squares(&at.evaluated);
     Ok(())
 }
