@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use socam_identify::{
     IdentifyError, NoiseLevels, Options as FitOptions, Problem,
     comparison::cross_validation::{self, CrossValidation},
-    comparison::{self, Evaluation, NoiseModel},
+    comparison::{self, Evaluation, Excerpt, NoiseModel},
 };
 use socam_model::Model;
 use socam_recording::{Dataset, RecordingError};
@@ -26,8 +26,11 @@ const BLOCKS: usize = 4;
 /// Mean square of the whitened residuals, in units of sensor noise, above which inputs are treated as exact, and above which large starts
 /// are tried even after an effect was added.
 pub(crate) const FAR_BEYOND_NOISE: f64 = 100.0;
-/// Largest number of iterations of a fit, and of a refit, which starts at an existing fit.
-const ITERATIONS: usize = 25;
+/// Rows of the excerpt on which candidates race.
+const EXCERPT_ROWS: u64 = 6000;
+/// Largest number of iterations of a fit, of the last fit, and of a refit, which starts at an existing fit.
+const ITERATIONS: usize = 12;
+const LAST_ITERATIONS: usize = 25;
 const REFIT_ITERATIONS: usize = 6;
 
 /// A model, its fit to the training recordings and its cross-validation.
@@ -67,6 +70,8 @@ pub(crate) struct Context<'a> {
     pub(crate) journal: Journal,
     /// Empty where whole recordings are left out.
     folds: Vec<Fold>,
+    /// Windows of the recordings, on which many models are compared first; `None` where the recordings are short.
+    excerpt: Option<Excerpt>,
 }
 
 impl<'a> Context<'a> {
@@ -76,11 +81,12 @@ impl<'a> Context<'a> {
         training: &'a [Dataset],
         fit: FitOptions,
         options: &'a Options,
-    ) -> Result<Self, RecordingError> {
+    ) -> Result<Self, IdentifyError> {
         let folds = if training.len() < FEW { block_folds(model, training)? } else { Vec::new() };
         let open = model.inputs().filter(|input| input.between.is_none());
         let open_inputs = open.map(|input| input.name.clone()).collect();
-        Ok(Self { training, fit, options, open_inputs, journal: Journal::default(), folds })
+        let excerpt = Excerpt::new(&Problem::new(model, training, fit.clone())?, EXCERPT_ROWS);
+        Ok(Self { training, fit, options, open_inputs, journal: Journal::default(), folds, excerpt })
     }
 
     /// The same, with notes in a journal that was begun before.
@@ -107,6 +113,32 @@ impl<'a> Context<'a> {
     /// The same for a fit whose result is of no use once the search is ended: it is then given up at once.
     pub(crate) fn tentative<'m>(&'m self, model: &'m Model) -> Result<Problem<'m>, IdentifyError> {
         Problem::new(model, self.training, self.tentative_fit())
+    }
+
+    /// The same on an excerpt of long recordings.
+    pub(crate) fn brief<'m>(&'m self, model: &'m Model) -> Result<Problem<'m>, IdentifyError> {
+        let whole = self.tentative(model)?;
+        Ok(self.excerpt.as_ref().map_or_else(|| whole.clone(), |excerpt| whole.on(excerpt)))
+    }
+
+    /// Whether [`Context::brief`] leaves rows out.
+    pub(crate) fn is_long(&self) -> bool {
+        self.excerpt.is_some()
+    }
+
+    /// A model fitted to the excerpt, from its fit to the whole recordings, which it is where they are short. `None` where the prediction
+    /// overflows.
+    pub(crate) fn fitted_in_brief(
+        &self,
+        FittedModel { model, at, .. }: &FittedModel,
+        noise: &NoiseModel,
+    ) -> Result<Option<Evaluation>, IdentifyError> {
+        let Some(excerpt) = &self.excerpt else { return Ok(Some(at.clone())) };
+        let Some(begun) = comparison::on_excerpt(&self.problem(model)?, noise, at, excerpt)? else {
+            return Ok(None);
+        };
+        let round = (comparison::COARSE, REFIT_ITERATIONS);
+        comparison::descend(&self.brief(model)?, noise, &at.values, Some((model, &begun)), round)
     }
 
     /// Settings of such a fit.
@@ -152,8 +184,19 @@ impl<'a> Context<'a> {
         from: Option<(&Model, &Evaluation)>,
         noise: &NoiseModel,
     ) -> Result<Option<FittedModel>, IdentifyError> {
-        let at =
-            comparison::descend(&self.problem(model)?, noise, values, from, (comparison::FINE, ITERATIONS))?;
+        let round = (comparison::FINE, ITERATIONS);
+        let at = comparison::descend(&self.problem(model)?, noise, values, from, round)?;
+        at.map_or(Ok(None), |at| self.validated(model, at, noise))
+    }
+
+    /// Continues a fit to its end and cross-validates it.
+    pub(crate) fn settled(
+        &self,
+        FittedModel { model, at, .. }: &FittedModel,
+        noise: &NoiseModel,
+    ) -> Result<Option<FittedModel>, IdentifyError> {
+        let round = (comparison::FINE, LAST_ITERATIONS);
+        let at = comparison::descend(&self.problem(model)?, noise, &at.values, Some((model, at)), round)?;
         at.map_or(Ok(None), |at| self.validated(model, at, noise))
     }
 

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use socam_identify::{IdentifyError, comparison::Evaluation};
+use socam_model::Model;
 
 use crate::{
     candidate::Candidate,
@@ -17,6 +18,10 @@ use crate::{
 const WITHOUT: [(usize, f64); 2] = [(2, 100.0), (4, 2.0)];
 /// Rounds of each start of a nested law, in the same form.
 const UPGRADING: [(usize, f64); 2] = [(2, 4.0), (4, 2.0)];
+/// Fall of the deviance, in units of the mean square residual, below which a nested law is not compared.
+const LEAST_FALL: f64 = 5.0;
+/// Number of starts that have more than the first of these rounds.
+const CONTINUED: usize = 2;
 
 /// Share of the excess at the last attempt below which nested laws are tried again.
 const RETRY_SHARE: f64 = 0.5;
@@ -118,8 +123,8 @@ impl Path {
         Ok(())
     }
 
-    /// Replaces a term's law by the simplest law over which it gains nothing. Returns whether it did.
-    pub(crate) fn simplify(&mut self, context: &Context<'_>, index: usize) -> Result<bool, IdentifyError> {
+    /// Replaces a term's law by the simplest law over which it gains nothing.
+    pub(crate) fn simplify(&mut self, context: &Context<'_>, index: usize) -> Result<(), IdentifyError> {
         for simpler in nested::simpler_laws(self, index) {
             let Some((model, values)) = self.start_with(index, &simpler) else { continue };
             let Some(fitted) = context.fitted(&model, &values, None, &self.noise)? else { continue };
@@ -132,10 +137,10 @@ impl Path {
             if !is_needed {
                 self.last = fitted;
                 self.take_law(context, index, simpler);
-                return Ok(true);
+                break;
             }
         }
-        Ok(false)
+        Ok(())
     }
 
     /// Log score that a term's law has to gain over another effect's law: more than the simpler law's discrepancy can make. 0 for a law of
@@ -174,10 +179,14 @@ impl Path {
         if self.noise.excess() < EXCESS || context.stops() {
             return Ok(());
         }
-        let Some((candidate, model, at)) = self.best_of(context, index, starts)? else { return Ok(()) };
+        let Some((candidate, model, values)) = self.best_of(context, index, starts)? else { return Ok(()) };
+        let problem = context.tentative(&model)?;
+        let best = self.last.deviance();
+        let at = context::descend_in_rounds(&problem, &self.noise, &values, best, &UPGRADING)?;
+        let Some(at) = at else { return Ok(()) };
         let noise = context.noise_at(&model, &at, self.noise.levels())?;
         let noise = noise.unwrap_or_else(|| self.noise.clone());
-        let after = context.fitted(&model, &at.values, Some((&model, &at)), &noise)?;
+        let after = context.compared(&model, &at, &noise)?;
         let before = context.compared(&self.last.model, &self.last.at, &noise)?;
         let Some((after, before)) = after.zip(before).filter(|_| !context.stops()) else { return Ok(()) };
         let gained = self.gain(&after, &before);
@@ -199,27 +208,39 @@ impl Path {
         term.candidate = law;
     }
 
-    /// Replaces a term's law in the last model by another law, fits a few rounds from each of several starts, and returns the fit with the
-    /// least deviance.
+    /// Replaces a term's law in the last model by another law, fits a few rounds from each of several starts to an excerpt of long recordings,
+    /// and returns the fit with the least deviance there: candidate, model and values. `None` where none leaves clearly less than the term's law.
     fn best_of(
         &self,
         context: &Context<'_>,
         index: usize,
         starts: Vec<Candidate>,
-    ) -> Result<Option<(Candidate, socam_model::Model, Evaluation)>, IdentifyError> {
+    ) -> Result<Option<(Candidate, Model, Vec<f64>)>, IdentifyError> {
+        if starts.is_empty() {
+            return Ok(None);
+        }
+        let Some(last) = context.fitted_in_brief(&self.last, &self.noise)? else { return Ok(None) };
+        let descend = |model: &Model, values: &[f64], round: usize| {
+            let rounds = std::slice::from_ref(&UPGRADING[round]);
+            context::descend_in_rounds(&context.brief(model)?, &self.noise, values, last.total(), rounds)
+        };
         let begun = starts.into_par_iter().map(|start| {
             let Some((model, values)) = self.start_with(index, &start) else { return Ok(None) };
-            let best = self.last.deviance();
-            let at = context::descend_in_rounds(
-                &context.tentative(&model)?,
-                &self.noise,
-                &values,
-                best,
-                &UPGRADING,
-            )?;
+            let at = descend(&model, &values, 0)?;
             Ok(at.map(|at| (start, model, at)))
         });
-        let begun: Result<Vec<_>, IdentifyError> = begun.collect();
-        Ok(begun?.into_iter().flatten().min_by(|a, b| a.2.total().total_cmp(&b.2.total())))
+        let begun: Result<Vec<Option<_>>, IdentifyError> = begun.collect();
+        let mut begun: Vec<(Candidate, Model, Evaluation)> = begun?.into_iter().flatten().collect();
+        begun.sort_by(|a, b| a.2.total().total_cmp(&b.2.total()));
+        begun.truncate(CONTINUED);
+        let ended = begun.into_par_iter().map(|(start, model, at)| {
+            let at = descend(&model, &at.values, 1)?;
+            Ok(at.map(|at| (start, model, at)))
+        });
+        let ended: Result<Vec<Option<_>>, IdentifyError> = ended.collect();
+        let best = ended?.into_iter().flatten().min_by(|a, b| a.2.total().total_cmp(&b.2.total()));
+        let least = LEAST_FALL * (last.total() / last.count.iter().sum::<f64>().max(1.0)).max(1.0);
+        let best = best.filter(|(.., at)| last.total() - at.total() > least);
+        Ok(best.map(|(start, model, at)| (start, model, at.values)))
     }
 }

@@ -57,6 +57,11 @@ fn determined(
         if path.terms.is_empty() {
             break before.clone();
         }
+        if !context.stops()
+            && let Some(last) = context.settled(&path.last, &path.noise)?
+        {
+            path.last = last;
+        }
         let found = intervals::estimates(context, path)?;
         for term in (0..path.terms.len()).rev().filter(|term| !intervals::is_determined(path, *term, &found))
         {

@@ -253,13 +253,10 @@ impl Path {
             self.last = restarted(context, self, self.last.clone())?;
         }
         self.renew_noise(context)?;
-        self.upgrade(context)?;
+        // A law that was raced from one start may have ended short of what it can explain: it begins again from a simpler one.
         let last = self.terms.len() - 1;
-        if self.simplify(context, last)? {
-            // A law that was raced from one start may have ended short of what it can explain: it begins again from the simpler one.
-            self.terms[last].excess_at_upgrade = f64::INFINITY;
-            self.upgrade(context)?;
-        }
+        self.simplify(context, last)?;
+        self.upgrade(context)?;
         // Nested laws are chosen from the last score test, so that it is cleared only now.
         self.tests.clear();
         self.eliminate(context, last)
@@ -290,7 +287,13 @@ fn restarted(context: &Context<'_>, path: &Path, fitted: FittedModel) -> Result<
             values[index] = parameter.value;
         }
     }
-    let trial = halving::descend_from_afar(context, &fitted.model, &values, &path.noise, &fitted.at.chi2)?;
+    let trial = halving::descend_from_afar(
+        context,
+        &fitted.model,
+        &values,
+        &path.noise,
+        (&fitted.at.chi2, |_| f64::INFINITY),
+    )?;
     let Some(trial) = trial else { return Ok(fitted) };
     let other = context.fitted(&fitted.model, &trial.values, Some((&fitted.model, &trial)), &path.noise)?;
     Ok(other.filter(|other| other.deviance() < fitted.deviance()).unwrap_or(fitted))

@@ -125,7 +125,8 @@ pub fn evaluate_band(
     let mut sums = vec![Sums::default(); problem.outputs()];
     for (index, nuisance) in nuisance.iter().enumerate() {
         let segment = &problem.segments[index];
-        let Replay { measured, predicted, .. } = replay(problem, problem.model, values, segment, nuisance)?;
+        let Replay { measured, predicted, .. } =
+            replay(problem, problem.model, values, segment, nuisance, &[])?;
         let sample_time_s = segment.sample_time_s;
         for ((sums, measured), predicted) in sums.iter_mut().zip(&measured).zip(&predicted) {
             sums.add_segment(band, sample_time_s, measured, predicted);

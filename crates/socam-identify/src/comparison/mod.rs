@@ -5,11 +5,13 @@
 //! parameters would lower the sum of squares.
 
 pub mod cross_validation;
+mod excerpt;
 mod model_evaluation;
 mod noise_model;
 mod score_test;
 mod traces;
 
+pub use excerpt::{Excerpt, on_excerpt};
 pub use model_evaluation::Evaluation;
 pub(crate) use model_evaluation::begin;
 pub use noise_model::{Innovations, NoiseModel, innovations, noise};

@@ -54,7 +54,8 @@ pub fn traces(
 ) -> Result<Vec<Traces>, IdentifyError> {
     let each = problem.segments.par_iter().zip(&at.nuisance).map(|(segment, nuisance)| {
         let model = observer.unwrap_or(problem.model);
-        let Replay { inputs, measured, predicted } = replay(problem, model, &at.values, segment, nuisance)?;
+        let Replay { inputs, measured, predicted, .. } =
+            replay(problem, model, &at.values, segment, nuisance, &[])?;
         let (recording, dataset) = (segment.recording, &problem.datasets[segment.recording]);
         let mut own = Traces { recording, time_s: segment.times_s(dataset)?, inputs, measured, predicted };
         if observer.is_some() {

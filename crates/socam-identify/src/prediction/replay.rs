@@ -21,9 +21,12 @@ pub(crate) struct Replay {
     pub(crate) measured: Vec<Vec<f64>>,
     /// Predicted outputs, without estimated offsets.
     pub(crate) predicted: Vec<Vec<f64>>,
+    /// States at the rows that were asked for.
+    pub(crate) states: Vec<Vec<f64>>,
 }
 
-/// Predicts a segment by `model`, which has the inputs of the problem's, at parameters `values` and from the start state of `nuisance`.
+/// Predicts a segment by `model`, which has the inputs of the problem's, at parameters `values` and from the start state of `nuisance`. The
+/// states at the rows `kept`, counted from the start of the segment in rising order, are part of the result.
 ///
 /// # Errors
 /// When the recording cannot be read, or the prediction overflows.
@@ -33,6 +36,7 @@ pub(crate) fn replay(
     values: &[f64],
     segment: &Segment,
     nuisance: &[f64],
+    kept: &[u64],
 ) -> Result<Replay, IdentifyError> {
     let predictor = Predictor::along(model, values, segment.steps())?;
     let bases: Vec<_> = problem.intersample.iter().map(|kind| intersample::basis(*kind)).collect();
@@ -41,6 +45,7 @@ pub(crate) fn replay(
         inputs: vec![Vec::new(); problem.model.inputs().count()],
         measured: vec![Vec::new(); problem.outputs()],
         predicted: vec![Vec::new(); outputs],
+        states: Vec::new(),
     };
     let (mut polynomials, mut raw, mut now) = (Vec::new(), Vec::new(), vec![0.0; outputs]);
     let mut row = 0;
@@ -63,6 +68,9 @@ pub(crate) fn replay(
             let Ok(running) = running else { return };
             if row > 0 {
                 running.sample(&polynomials, chunk.parts(k, predictor.hybrid_modes().finest_s), |_| {});
+            }
+            if kept.get(all.states.len()) == Some(&row) {
+                all.states.push(running.state().to_vec());
             }
             row += 1;
             raw.clear();
