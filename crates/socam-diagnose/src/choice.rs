@@ -58,8 +58,10 @@ pub(crate) fn best(
         tried.extend(large);
     }
     if let Some(scales) = scales {
-        let left =
-            finalists.iter().map(|one| reduced_chi_square(&one.at)).fold(path.noise.excess(), f64::min);
+        let left = finalists
+            .iter()
+            .map(|one| halving::reduced_chi_square(&one.at))
+            .fold(path.noise.excess(), f64::min);
         for (one, finalist) in path.without_each_sensor(context, scales, left)? {
             finalists.push(Finalist { index: tried.len(), ..finalist });
             tried.push(one);
@@ -121,11 +123,6 @@ pub(crate) fn among(
 /// The candidates without their p-values.
 fn starts(tried: &[(Candidate, f64)]) -> Vec<Candidate> {
     tried.iter().map(|(candidate, _)| candidate.clone()).collect()
-}
-
-/// Sum of squared whitened residuals over their number.
-fn reduced_chi_square(at: &socam_identify::comparison::Evaluation) -> f64 {
-    at.total() / at.count.iter().sum::<f64>().max(1.0)
 }
 
 /// Index of the simplest fit whose tempered log score plus log prior is within one standard error, or one nat, of the highest. Tempering

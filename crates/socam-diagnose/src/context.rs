@@ -118,7 +118,10 @@ impl<'a> Context<'a> {
     /// The same on an excerpt of long recordings.
     pub(crate) fn brief<'m>(&'m self, model: &'m Model) -> Result<Problem<'m>, IdentifyError> {
         let whole = self.tentative(model)?;
-        Ok(self.excerpt.as_ref().map_or_else(|| whole.clone(), |excerpt| whole.on(excerpt)))
+        Ok(match &self.excerpt {
+            Some(excerpt) => whole.on(excerpt),
+            None => whole,
+        })
     }
 
     /// Whether [`Context::brief`] leaves rows out.
@@ -184,9 +187,7 @@ impl<'a> Context<'a> {
         from: Option<(&Model, &Evaluation)>,
         noise: &NoiseModel,
     ) -> Result<Option<FittedModel>, IdentifyError> {
-        let round = (comparison::FINE, ITERATIONS);
-        let at = comparison::descend(&self.problem(model)?, noise, values, from, round)?;
-        at.map_or(Ok(None), |at| self.validated(model, at, noise))
+        self.fitted_within(ITERATIONS, (model, values), from, noise)
     }
 
     /// Continues a fit to its end and cross-validates it.
@@ -195,8 +196,18 @@ impl<'a> Context<'a> {
         FittedModel { model, at, .. }: &FittedModel,
         noise: &NoiseModel,
     ) -> Result<Option<FittedModel>, IdentifyError> {
-        let round = (comparison::FINE, LAST_ITERATIONS);
-        let at = comparison::descend(&self.problem(model)?, noise, &at.values, Some((model, at)), round)?;
+        self.fitted_within(LAST_ITERATIONS, (model, &at.values), Some((model, at)), noise)
+    }
+
+    fn fitted_within(
+        &self,
+        iterations: usize,
+        (model, values): (&Model, &[f64]),
+        from: Option<(&Model, &Evaluation)>,
+        noise: &NoiseModel,
+    ) -> Result<Option<FittedModel>, IdentifyError> {
+        let round = (comparison::FINE, iterations);
+        let at = comparison::descend(&self.problem(model)?, noise, values, from, round)?;
         at.map_or(Ok(None), |at| self.validated(model, at, noise))
     }
 

@@ -9,6 +9,7 @@ use crate::{
     context::{self, Context, FittedModel},
     criterion,
     extension::carried_over,
+    halving,
     journal::{self, Fate},
     nested,
     selection::{EXCESS, Path},
@@ -18,8 +19,6 @@ use crate::{
 const WITHOUT: [(usize, f64); 2] = [(2, 100.0), (4, 2.0)];
 /// Rounds of each start of a nested law, in the same form.
 const UPGRADING: [(usize, f64); 2] = [(2, 4.0), (4, 2.0)];
-/// Fall of the deviance, in units of the mean square residual, below which a nested law is not compared.
-const LEAST_FALL: f64 = 5.0;
 /// Number of starts that have more than the first of these rounds.
 const CONTINUED: usize = 2;
 
@@ -239,8 +238,7 @@ impl Path {
         });
         let ended: Result<Vec<Option<_>>, IdentifyError> = ended.collect();
         let best = ended?.into_iter().flatten().min_by(|a, b| a.2.total().total_cmp(&b.2.total()));
-        let least = LEAST_FALL * (last.total() / last.count.iter().sum::<f64>().max(1.0)).max(1.0);
-        let best = best.filter(|(.., at)| last.total() - at.total() > least);
+        let best = best.filter(|(.., at)| last.total() - at.total() > halving::least_fall(&last));
         Ok(best.map(|(start, model, at)| (start, model, at.values)))
     }
 }

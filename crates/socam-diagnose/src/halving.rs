@@ -223,8 +223,7 @@ impl Race<'_, '_> {
         let problem = self.problem(&model)?;
         let next = comparison::descend(&problem, self.noise, &at.values, Some((&model, &at)), round)?;
         let next = next.unwrap_or_else(|| at.clone());
-        let unit = (next.total() / next.count.iter().sum::<f64>().max(1.0)).max(1.0);
-        let done = next.converged || at.total() - next.total() < LEAST_FALL * unit;
+        let done = next.converged || at.total() - next.total() < least_fall(&next);
         Ok(Contender { index, model, iterations: iterations + ROUND_ITERATIONS, at: next, done })
     }
 
@@ -246,6 +245,16 @@ impl Race<'_, '_> {
 /// Deviance below which a contender keeps up with the best one, `least`: with this share of the gain over the model before, or near it.
 fn keeping_up(before: f64, least: f64, share: f64) -> f64 {
     (before - share * (before - least)).max(least + NEAR)
+}
+
+/// Fall of the deviance of a fit that counts as next to nothing.
+pub(crate) fn least_fall(at: &Evaluation) -> f64 {
+    LEAST_FALL * reduced_chi_square(at).max(1.0)
+}
+
+/// Sum of squared whitened residuals over their number.
+pub(crate) fn reduced_chi_square(at: &Evaluation) -> f64 {
+    at.total() / at.count.iter().sum::<f64>().max(1.0)
 }
 
 /// Largest number of iterations of a candidate's first round.

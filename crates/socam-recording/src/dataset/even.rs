@@ -14,7 +14,7 @@ const NEAR: f64 = 0.6;
 const NEXT: f64 = 1.6;
 /// Rows that are read for a comparison.
 const MOST_ROWS: usize = 20_000;
-/// Share of the rows that are compared, those whose value differs most between the two times, and fewest rows.
+/// One in this many rows is compared, those whose value differs most between the two times, and at least so many rows.
 const COMPARED: usize = 10;
 const FEWEST_ROWS: usize = 200;
 /// Ratio of the distances from a smooth curve, on the stamps over on even times, below which a channel was sampled at its stamps.
