@@ -163,6 +163,13 @@ impl Candidate {
         self.place == other.place && self.effect.replaces.iter().any(|own| own.law == other.effect.id)
     }
 
+    /// Whether two laws, at whatever places, are the same or one contains the other.
+    pub(crate) fn is_akin(&self, other: &Self) -> bool {
+        let contains =
+            |one: &Self, other: &Self| one.effect.replaces.iter().any(|own| own.law == other.effect.id);
+        self.effect.id == other.effect.id || contains(self, other) || contains(other, self)
+    }
+
     /// Starts of this law in the place of the law `simpler`, whose fitted values are `fitted`. Empty where this law does not contain
     /// `simpler`.
     pub(crate) fn in_place_of(&self, simpler: &Self, fitted: &[(&str, f64)], model: &Model) -> Vec<Self> {

@@ -41,11 +41,14 @@ pub(crate) fn best(
     let (mut large, mut tried): (Vec<_>, Vec<_>) =
         tried.iter().cloned().partition(|(candidate, _)| candidate.begins_large);
     let mut finalists = halving::run(context, &path.last, &starts(&tried), &path.noise)?;
+    if scales.is_some() {
+        add_neighbours(context, path, &mut tried, &mut finalists)?;
+    }
     if context.stops() {
         return Ok(None);
     }
     // Large starts cost the most iterations: they are tried only where the residuals of every small start stay far above the noise.
-    let leader = finalists.iter().map(|one| &one.at).min_by(|a, b| a.total().total_cmp(&b.total()));
+    let leader = leader(&finalists).map(|one| &one.at);
     let leader = leader.filter(|leader| leader.total() < path.last.deviance()).unwrap_or(&path.last.at);
     let share = leader.total() / path.last.deviance();
     let left = share * path.noise.excess();
@@ -70,6 +73,27 @@ pub(crate) fn best(
     among(context, path, &tried, &finalists)
 }
 
+/// Fits the significant candidates beside the best finalist that were not on the shortlist: a score at a null amplitude orders laws at one
+/// place, and places of one law, by chance where the base model imitates them.
+fn add_neighbours(
+    context: &Context<'_>,
+    path: &Path,
+    tried: &mut Vec<(Candidate, f64)>,
+    finalists: &mut Vec<Finalist>,
+) -> Result<(), IdentifyError> {
+    let Some(leader) = leader(finalists) else { return Ok(()) };
+    let neighbours = path.neighbours(&tried[leader.index].0, tried, context.options.false_alarm_rate);
+    let found = halving::run(context, &path.last, &starts(&neighbours), &path.noise)?;
+    finalists.extend(found.into_iter().map(|one| Finalist { index: tried.len() + one.index, ..one }));
+    tried.extend(neighbours);
+    Ok(())
+}
+
+/// The finalist with the least deviance.
+fn leader(finalists: &[Finalist]) -> Option<&Finalist> {
+    finalists.iter().min_by(|a, b| a.at.total().total_cmp(&b.at.total()))
+}
+
 /// Chooses among candidates that were fitted under the path's noise model. `tried` holds the candidates, with their p-values. `None` where
 /// the search was ended: some fits are then far from their end, and the comparison of such fits would choose by chance.
 pub(crate) fn among(
@@ -78,8 +102,7 @@ pub(crate) fn among(
     tried: &[(Candidate, f64)],
     finalists: &[Finalist],
 ) -> Result<Option<Choice>, IdentifyError> {
-    let least = |a: &&Finalist, b: &&Finalist| a.at.total().total_cmp(&b.at.total());
-    let Some(leader) = finalists.iter().min_by(least).filter(|_| !context.stops()) else { return Ok(None) };
+    let Some(leader) = leader(finalists).filter(|_| !context.stops()) else { return Ok(None) };
     let noise = context.noise_at(&leader.model, &leader.at, path.noise.levels())?;
     let noise = noise.unwrap_or_else(|| path.noise.clone());
     let Some(before) = context.compared(&path.last.model, &path.last.at, &noise)? else { return Ok(None) };

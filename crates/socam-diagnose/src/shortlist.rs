@@ -11,6 +11,8 @@ use crate::{
 /// Largest number of starts that are fitted, and of places of one effect among them: in a long chain neighbouring places score alike.
 const TRIED: usize = 8;
 const PLACES: usize = 4;
+/// Largest number of neighbours of the best one that are fitted besides.
+const NEIGHBOURS: usize = 6;
 /// Largest number of effects that are tried with large starts where the base model is far from the data.
 const LARGE: usize = 12;
 
@@ -28,12 +30,35 @@ impl Path {
                 tried.push((one.start.clone(), one.p_value));
             }
         }
+        self.small_starts(tried).chain(self.large_starts(false_alarm_rate)).collect()
+    }
+
+    /// Starts of the significant candidates that share a candidate's place, or its law or a law of one kind with it, and are not among `tried`,
+    /// with their p-values.
+    pub(crate) fn neighbours(
+        &self,
+        of: &Candidate,
+        tried: &[(Candidate, f64)],
+        false_alarm_rate: f64,
+    ) -> Vec<(Candidate, f64)> {
+        let mut all: Vec<(Candidate, f64)> = Vec::new();
+        for one in self.tests.iter().filter(|one| one.possible && one.p_value < false_alarm_rate) {
+            let is_near = one.start.place == of.place || one.start.is_akin(of);
+            let is_known = tried.iter().chain(&all).any(|(known, _)| known.is_same(&one.start));
+            if is_near && !is_known && !one.start.is_always_tried() && all.len() < NEIGHBOURS {
+                all.push((one.start.clone(), one.p_value));
+            }
+        }
+        self.small_starts(all).collect()
+    }
+
+    /// Start points of candidates' fits, with their p-values.
+    fn small_starts(&self, all: Vec<(Candidate, f64)>) -> impl Iterator<Item = (Candidate, f64)> {
         let (model, values) = (&self.last.model, &self.last.at.values);
-        let begun = tried.into_iter().flat_map(|(candidate, p_value)| {
+        all.into_iter().flat_map(|(candidate, p_value)| {
             let starts = candidates::starts(candidate, model, values);
             starts.into_iter().map(move |start| (start, p_value))
-        });
-        begun.chain(self.large_starts(false_alarm_rate)).collect()
+        })
     }
 
     /// Starts at usual amplitudes of the candidates with the largest gains, significant or not: far from the data, fits from a small
