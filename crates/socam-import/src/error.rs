@@ -36,7 +36,7 @@ pub enum ImportError {
         problem: String,
     },
     /// A file that does not state what its numbers are.
-    #[error("`{}` {problem}; `socam-host import {} --propose -o map.toml` writes a mapping to complete, for `import --map map.toml`", path.display(), path.display())]
+    #[error("`{}` {problem}; `socam-host import {} --propose -o map.toml` writes a mapping to complete, for `import --map map.toml`; `import --accept-guesses` takes what is likeliest", path.display(), path.display())]
     Unstated {
         /// The file.
         path: PathBuf,

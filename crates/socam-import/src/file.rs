@@ -6,7 +6,7 @@ use socam_recording::SettingsError;
 
 use crate::error::{ImportError, Result};
 use crate::mapping::{ChannelMap, Clock, Mapping, Stamps, Time};
-use crate::source::{Found, Source, Wanted};
+use crate::source::{DATE_UNIT_S, Found, Signal, Source, Wanted};
 use crate::times::Times;
 
 /// A file's signals, with its path for errors.
@@ -119,7 +119,8 @@ impl File {
                 Time::Signal(name, unit_s) => {
                     let column = taken.signals.iter().position(|signal| signal.name == *name);
                     let column = column.ok_or_else(|| self.at(clock.line, self.lacking(name)))?;
-                    Times::of_signal(taken, column, *unit_s, clock.stamps)
+                    let unit_s = self.unit_of(clock, &taken.signals[column], *unit_s)?;
+                    Times::of_signal(taken, column, unit_s, clock.stamps)
                         .map_err(|problem| self.problem(format!("cannot be imported: {problem}")))?
                 }
             };
@@ -131,6 +132,18 @@ impl File {
             }
         }
         Ok(clocks)
+    }
+
+    /// The unit of a clock's times, s: the mapping's, or that of dates, which have one of their own.
+    fn unit_of(&self, clock: &Clock, times: &Signal, stated: Option<f64>) -> Result<f64> {
+        let name = &times.name;
+        let wrong = match stated {
+            Some(unit_s) if !times.is_date || unit_s == DATE_UNIT_S => return Ok(unit_s),
+            None if times.is_date => return Ok(DATE_UNIT_S),
+            Some(_) => format!("`{name}` holds dates or times of day, which have no unit; leave `unit` out"),
+            None => "`unit` of the clock is left out; expected s, ms, us, ns, min or h".to_owned(),
+        };
+        Err(self.at(clock.line, wrong))
     }
 
     /// The clock that the file itself gives a group.

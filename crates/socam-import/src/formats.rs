@@ -5,6 +5,7 @@ mod arrow;
 pub(crate) mod fence;
 #[cfg(feature = "formats-hdf5")]
 mod hdf5;
+mod json;
 mod matlab;
 #[cfg(feature = "formats-ros")]
 mod mcap;
@@ -27,6 +28,14 @@ use crate::{TextLayout, tdms, text};
 pub enum FileFormat {
     /// Lines of numbers: CSV and its relatives.
     Text,
+    /// LabVIEW measurement (`.lvm`).
+    LabView,
+    /// Trace of a PLC by CODESYS or ctrlX, variables one below the other.
+    Trace,
+    /// Export of TwinCAT's Scope View, a time before each variable.
+    Scope,
+    /// JSON: records, columns, rows, or a log of SysId.
+    Json,
     /// ASAM MDF 4 (`.mf4`).
     Mdf4,
     /// TDMS of National Instruments.
@@ -48,7 +57,9 @@ impl FileFormat {
     #[must_use]
     pub const fn feature(self) -> Option<&'static str> {
         match self {
-            Self::Text | Self::Tdms | Self::Mat => None,
+            Self::Text | Self::LabView | Self::Trace | Self::Scope | Self::Json | Self::Tdms | Self::Mat => {
+                None
+            }
             Self::Mdf4 => Some("formats-mdf4"),
             Self::Hdf5 => Some("formats-hdf5"),
             Self::Parquet | Self::Arrow => Some("formats-arrow"),
@@ -61,6 +72,10 @@ impl std::fmt::Display for FileFormat {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Text => "text",
+            Self::LabView => "LabVIEW .lvm",
+            Self::Trace => "CODESYS trace",
+            Self::Scope => "TwinCAT scope",
+            Self::Json => "JSON",
             Self::Mdf4 => "MDF4",
             Self::Tdms => "TDMS",
             Self::Mat => "MATLAB .mat",
@@ -140,7 +155,14 @@ pub fn detect(path: &Path) -> Result<FileFormat> {
     if head.contains(&0) && !is_utf16 {
         return Err(ImportError::file(path, "is a binary file of no format known here"));
     }
-    Ok(FileFormat::Text)
+    let text = String::from_utf8_lossy(&head);
+    Ok(match () {
+        () if text.trim_start_matches('\u{feff}').starts_with("LabVIEW Measurement") => FileFormat::LabView,
+        () if json::is_json(&text) => FileFormat::Json,
+        () if text::is_scope(&text) => FileFormat::Scope,
+        () if text::is_trace(&text) => FileFormat::Trace,
+        () => FileFormat::Text,
+    })
 }
 
 /// Reads signals of a file of any format. `layout` and `date`: how a text file is read, instead of what is found.
@@ -153,6 +175,10 @@ pub fn read(path: &Path, layout: Option<&TextLayout>, date: Option<&str>, wanted
     let kind = detect(path)?;
     let read = || match kind {
         FileFormat::Text => text::read(path, layout, date, wanted),
+        FileFormat::LabView => text::read_labview(path, wanted),
+        FileFormat::Trace => text::read_trace(path, wanted),
+        FileFormat::Scope => text::read_scope(path, wanted),
+        FileFormat::Json => json::read(path, wanted),
         FileFormat::Tdms => tdms::read(path, wanted),
         FileFormat::Mat => matlab::read(path, wanted),
         #[cfg(feature = "formats-mdf4")]
@@ -201,7 +227,13 @@ mod tests {
             .map(|row| row.split(" | ").collect())
             .collect();
         let plain = |text: &str| text.replace([' ', '`'], "");
-        for kind in MAGIC.iter().map(|(_, kind)| *kind).chain([FileFormat::Text]) {
+        for kind in MAGIC.iter().map(|(_, kind)| *kind).chain([
+            FileFormat::Text,
+            FileFormat::LabView,
+            FileFormat::Trace,
+            FileFormat::Scope,
+            FileFormat::Json,
+        ]) {
             let feature = kind.feature();
             let cell = feature.map_or("none |".to_owned(), |feature| format!("`{feature}` |"));
             assert!(

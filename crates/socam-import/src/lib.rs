@@ -17,6 +17,7 @@ mod propose;
 mod source;
 mod tdms;
 mod text;
+mod time_names;
 mod times;
 
 pub use error::{ImportError, Result};
@@ -24,6 +25,6 @@ pub use formats::{FileFormat, detect, fence::fenced, read};
 pub use import::{Imported, Understood, import};
 pub use mapping::{Between, ChannelMap, Clock, Mapping, SCHEMA, Stamps, Time};
 pub use open::{Opened, open, open_either, open_selection, probe};
-pub use propose::{Proposal, Proposed, import_stated, propose};
+pub use propose::{Guessed, Proposal, Proposed, import_guessed, import_stated, propose};
 pub use source::{Found, Group, Signal, Source, Wanted};
 pub use text::TextLayout;

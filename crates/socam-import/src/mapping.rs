@@ -47,8 +47,8 @@ pub struct Clock {
 /// Source of the times of a clock.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Time {
-    /// A signal contains the times. The number is its unit in seconds.
-    Signal(String, f64),
+    /// A signal contains the times. The number is its unit in seconds; `None` for dates and times of day, which have none.
+    Signal(String, Option<f64>),
     /// Nowhere: the samples were taken at this rate, Hz.
     Rate(f64),
 }
@@ -205,12 +205,11 @@ fn clock(fields: &mut Fields<'_>) -> Clock {
         (Some(signal), None) => {
             let unit = fields.maybe_text("unit");
             let seconds = unit.as_deref().and_then(socam_units::seconds);
-            if seconds.is_none() {
-                let found = unit.map_or("left out".to_owned(), |unit| format!("\"{unit}\""));
-                let message = format!("`unit` of the clock is {found}; expected s, ms, us, ns, min or h");
+            if let Some(unit) = unit.filter(|_| seconds.is_none()) {
+                let message = format!("`unit` of the clock is \"{unit}\"; expected s, ms, us, ns, min or h");
                 fields.complain_about("unit", message);
             }
-            Time::Signal(signal, seconds.unwrap_or(1.0))
+            Time::Signal(signal, seconds)
         }
         (None, None) => {
             fields.complain("a clock needs `time`, the signal with the times, or `rate_Hz`".into());

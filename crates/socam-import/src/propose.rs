@@ -126,6 +126,41 @@ pub fn import_stated(selection: &Selection) -> Result<Imported> {
     import_noted(selection, &draft.mapping(), draft.notes)
 }
 
+/// A recording made with the likeliest units and times where the file states none.
+#[derive(Debug)]
+pub struct Guessed {
+    /// The recording.
+    pub imported: Imported,
+    /// What was taken that the file does not state, in words.
+    pub taken: Vec<String>,
+    /// The mapping with what was taken, as text.
+    pub mapping: String,
+}
+
+/// Makes a recording of a file as [`import_stated`] does, with the likeliest unit and time where the file states none: those that
+/// [`propose`] names first. Columns whose names suggest no unit are left aside.
+///
+/// # Errors
+/// As [`import_stated`]; also where no column holds times, or no channel is left.
+pub fn import_guessed(selection: &Selection) -> Result<Guessed> {
+    let path = &selection.path;
+    let mut draft = Draft::of(path)?;
+    let without_clock: Vec<String> = draft.unknown_clocks().collect();
+    if let Some(first) = without_clock.first() {
+        let problem = format!("does not say {first}, and no column rises like a time");
+        return Err(ImportError::Unstated { path: path.into(), problem });
+    }
+    let taken = draft.take_guesses();
+    if draft.channels.is_empty() {
+        let problem = "names no column by a word that suggests a unit".to_owned();
+        return Err(ImportError::Unstated { path: path.into(), problem });
+    }
+    names::make_keys(&mut draft.channels);
+    let mapping = write::mapping(path, &draft);
+    let imported = import_noted(selection, &draft.mapping(), draft.notes)?;
+    Ok(Guessed { imported, taken, mapping })
+}
+
 impl ProposedClock {
     /// Assumption on the unit of the signal, and its reason.
     fn assumption(&self, source: &Source) -> Option<String> {

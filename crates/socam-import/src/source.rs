@@ -41,7 +41,12 @@ pub struct Signal {
     pub origin: i64,
     /// Unit by a convention that the file does not state.
     pub hint: Option<&'static str>,
+    /// Whether the file holds dates or times of day here, which are in ns.
+    pub is_date: bool,
 }
+
+/// Unit of dates and times of day, s.
+pub(crate) const DATE_UNIT_S: f64 = 1e-9;
 
 impl Signal {
     /// A signal of floating-point values.
@@ -68,6 +73,14 @@ impl Signal {
         Self { origin, ..Self::new(name, unit, values.map(relative).collect()) }
     }
 
+    /// A signal of dates, or of times of day, ns; some may be missing.
+    pub(crate) fn of_dates(
+        name: impl Into<String>,
+        values: impl Iterator<Item = Option<i64>> + Clone,
+    ) -> Self {
+        Self { is_date: true, ..Self::of_integers(name, Some("ns".into()), values) }
+    }
+
     /// Values with the origin added.
     pub fn absolute(&self) -> impl Iterator<Item = f64> + '_ {
         self.values.iter().map(|value| value + self.origin as f64)
@@ -86,6 +99,19 @@ pub struct Wanted {
 impl Wanted {
     /// All signals and all rows.
     pub const ALL: Self = Self { signals: None, most_rows: usize::MAX };
+
+    /// Whether a column may be read, before the groups and the final names of the columns are known.
+    pub(crate) fn may_take(&self, column: &str) -> bool {
+        let is_part = |name: &String| {
+            let bare = name.rsplit_once('/').map_or(name.as_str(), |(_, bare)| bare);
+            let begins = |name: &str| {
+                name.strip_prefix(column).is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
+            };
+            let ends = |name: &str| name.strip_suffix(column).is_some_and(|head| head.ends_with(' '));
+            [name.as_str(), bare].into_iter().any(|name| begins(name) || ends(name))
+        };
+        self.signals.as_ref().is_none_or(|names| names.iter().any(is_part))
+    }
 
     /// Whether a signal is read.
     pub(crate) fn takes(&self, group: &str, signal: &str) -> bool {
@@ -130,6 +156,46 @@ impl Source {
         match self.find(&signal.name) {
             Found::Several(_) => format!("{}/{}", group.name, signal.name),
             _ => signal.name.clone(),
+        }
+    }
+
+    /// Joins groups whose clocks hold the same times. A single group needs no name.
+    pub(crate) fn with_shared_clocks(mut self) -> Self {
+        let mut joined: Vec<Group> = Vec::new();
+        let same = |a: &Signal, b: &Signal| {
+            let pairs = || a.values.iter().zip(&b.values);
+            a.origin == b.origin
+                && a.unit == b.unit
+                && a.values.len() == b.values.len()
+                && pairs().all(|(a, b)| a.to_bits() == b.to_bits())
+        };
+        for group in self.groups {
+            let clock = group.time.and_then(|time| group.signals.get(time));
+            let shared = joined.iter_mut().find(|other| {
+                let theirs = other.time.and_then(|time| other.signals.get(time));
+                clock.zip(theirs).is_some_and(|(own, theirs)| same(own, theirs))
+            });
+            match shared {
+                Some(other) => {
+                    let own = group.signals.into_iter().enumerate().filter(|(at, _)| Some(*at) != group.time);
+                    other.signals.extend(own.map(|(_, signal)| signal));
+                }
+                None => joined.push(group),
+            }
+        }
+        if let [only] = joined.as_mut_slice() {
+            only.name.clear();
+        }
+        self.groups = joined;
+        self
+    }
+
+    /// Drops the signals that are not read; the clocks stay.
+    pub(crate) fn keep(&mut self, wanted: &Wanted) {
+        for group in &mut self.groups {
+            let (name, clock) = (group.name.clone(), group.time.map(|time| group.signals[time].name.clone()));
+            group.signals.retain(|one| Some(&one.name) == clock.as_ref() || wanted.takes(&name, &one.name));
+            group.time = clock.and_then(|clock| group.signals.iter().position(|one| one.name == clock));
         }
     }
 

@@ -1,9 +1,17 @@
-//! Tables in text: any separator, decimal comma, lines before the header, units in a line of their own.
+//! Tables in text: any separator, decimal comma, lines before the header, units in a line of their own; and the forms of text that state more.
 
 mod cells;
+mod columns;
+mod labview;
 mod layout;
+mod lines;
 mod read;
+mod scope;
+mod trace;
 
+pub(crate) use labview::read as read_labview;
 pub use layout::TextLayout;
 pub(crate) use layout::sniff;
 pub(crate) use read::read;
+pub(crate) use scope::{is_scope, read as read_scope};
+pub(crate) use trace::{is_trace, read as read_trace};

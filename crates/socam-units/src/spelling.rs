@@ -51,12 +51,19 @@ pub fn is_counts(text: &str) -> bool {
 
 fn read(plain: &str) -> Option<Scale> {
     let meant = ALIASES.iter().find(|(alias, _)| *alias == plain).map_or(plain, |(_, meant)| meant);
-    scale::read(meant, Words::All).or_else(|| {
-        // `degps` and `mps`: angles and lengths per second.
-        let row = Words::All.row(plain.strip_suffix("ps")?)?;
-        let moves = matches!(Unit::of(row.product), Some(Unit::Rad | Unit::M));
-        moves.then(|| scale::read(&format!("{}/s", row.name), Words::All))?
-    })
+    scale::read(meant, Words::All)
+        .or_else(|| {
+            // `degps` and `mps`: angles and lengths per second.
+            let row = Words::All.row(plain.strip_suffix("ps")?)?;
+            let moves = matches!(Unit::of(row.product), Some(Unit::Rad | Unit::M));
+            moves.then(|| scale::read(&format!("{}/s", row.name), Words::All))?
+        })
+        .or_else(|| {
+            // `Volt`, `SECOND`: words in whatever letters. Shorter names mean other units in other letters.
+            const SHORTEST: usize = 4;
+            let is_word = plain.len() >= SHORTEST && plain.bytes().all(|letter| letter.is_ascii_alphabetic());
+            is_word.then(|| scale::read(&plain.to_ascii_lowercase(), Words::All))?
+        })
 }
 
 /// A unit in the grammar of this crate: `°/s`, `[rad·s⁻¹]`, `deg_per_s` and `µm` become `deg/s`, `rad s^-1`, `deg/s` and `um`.

@@ -16,8 +16,9 @@ use crate::output::{self, WrongArguments};
 
 /// Turn recordings of other programs into MCAP logs
 ///
-/// Reads text tables (.csv and relatives: any separator, decimal commas, units in names or in a line), MDF 4, TDMS, MATLAB .mat, HDF5,
-/// Parquet, Arrow, and MCAP of other programs (ROS 2, protobuf, JSON), found by their content. A file that states the units and times of
+/// Reads text tables (.csv and relatives: any separator, decimal commas, units in names or in a line), LabVIEW .lvm, traces of CODESYS,
+/// ctrlX and TwinCAT, JSON, MDF 4, TDMS, MATLAB .mat, HDF5, Parquet, Arrow, and MCAP of other programs (ROS 2, protobuf, JSON), found by
+/// their content. A file that states the units and times of
 /// all its signals is read as it is. For others, --propose writes a mapping of signals to channels, in which what the file does not say
 /// stands as "?"; complete it and pass it by --map. A legacy .m holds volts: speeds are converted to rad/s by the thesis' sensitivities,
 /// torques stay in volts unless a calibration is given.
@@ -25,6 +26,7 @@ use crate::output::{self, WrongArguments};
 #[command(after_help = "Examples:
   socam-host import bench.tdms                                      writes bench.mcap
   socam-host import log.csv --propose -o log.toml                   what is in it, and a mapping to complete
+  socam-host import log.csv --accept-guesses                        the likeliest units, printed
   socam-host import log.csv --map log.toml -o run.mcap
   socam-host import monday.csv tuesday.csv --map log.toml           the same mapping for several
   socam-host import run.csv@2..10 -o part.mcap --note \"new coupling\"
@@ -39,6 +41,9 @@ pub(crate) struct Args {
     /// Write a mapping of the file's signals to channels, to be completed
     #[arg(long, conflicts_with_all = ["map", "calibration", "note"])]
     propose: bool,
+    /// Take the likeliest unit and time where the file states none, and say which; the mapping is kept in the log
+    #[arg(long, conflicts_with_all = ["propose", "map", "calibration"])]
+    accept_guesses: bool,
     /// Mapping of signals to channels, as --propose writes it
     #[arg(long, value_name = "MAP.toml", conflicts_with = "calibration")]
     map: Option<PathBuf>,
@@ -69,6 +74,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
                 attachments: attachment.to_vec(),
                 ..Log::own(Dataset::open_calibrated(&selection, calibration)?, &selection)?
             },
+            (None, None) if args.accept_guesses => Log::guessed(&selection)?,
             (None, None) => Log::stated(&selection)?,
         };
         output::say_warnings(run, &log.data);
@@ -139,6 +145,19 @@ impl Log {
             Opened::Own(data) => Self::own(data, selection),
             Opened::Foreign(imported) => Ok(Self::imported(imported, selection)),
         }
+    }
+
+    /// A recording whose file leaves open what its numbers are: with the likeliest units and times.
+    fn guessed(selection: &Selection) -> anyhow::Result<Self> {
+        if socam_recording::detect(&selection.path).is_ok() {
+            return Self::stated(selection);
+        }
+        let guessed = socam_import::import_guessed(selection)?;
+        for taken in &guessed.taken {
+            output::say(format_args!("guessed: {taken}"));
+        }
+        let attachments = record::attachment("import.toml", guessed.mapping).to_vec();
+        Ok(Self { attachments, ..Self::imported(guessed.imported, selection) })
     }
 
     fn mapped(selection: &Selection, mapping: &Mapping, attachment: &[Attachment]) -> anyhow::Result<Self> {

@@ -1,15 +1,12 @@
 //! Finds the signal that contains a group's times, and its unit.
 
-use socam_units::{Column, Meaning, column, plain_name, seconds};
+use socam_units::{Meaning, column, seconds};
 
 use super::ProposedClock;
 use crate::mapping::Stamps;
 use crate::source::{Group, Signal, Source};
+use crate::time_names::is_named;
 use crate::times::Times;
-
-/// Words that name times.
-const WORDS: [&str; 10] =
-    ["t", "time", "times", "timestamp", "stamp", "zeit", "temps", "clock", "secs", "elapsed"];
 
 /// The clock of each group.
 pub(super) fn find(source: &Source) -> Vec<ProposedClock> {
@@ -45,6 +42,14 @@ fn clock(index: usize, group: &Group) -> ProposedClock {
     });
     // Of equal candidates the first one in the file is taken.
     let best = candidates.reduce(|best, next| if next.0 > best.0 { next } else { best });
+    let best = best.or_else(|| {
+        let mut unknown = group.signals.iter().enumerate().filter(|(_, signal)| !is_value(signal));
+        unknown.find_map(|(at, signal)| {
+            let (unit, assumed) = rising(signal)?;
+            let (times, stamps) = usable(group, at, seconds(&unit)?)?;
+            Some((0, at, unit, assumed, times, stamps))
+        })
+    });
     match best {
         Some((_, column, unit, assumed, times, stamps)) => {
             ProposedClock { time: Some((column, unit)), assumed, times: Some(times), stamps, ..none }
@@ -53,24 +58,14 @@ fn clock(index: usize, group: &Group) -> ProposedClock {
     }
 }
 
-/// Whether a column seems to hold times.
-pub(super) fn is_time_like(column: &Column) -> bool {
-    match column.meaning {
-        Meaning::Time(_) => true,
-        Meaning::Values(_) => false,
-        _ => is_named(&column.name),
-    }
+/// Whether a signal has the unit of a channel.
+fn is_value(signal: &Signal) -> bool {
+    matches!(column(&signal.name, signal.unit.as_deref()).meaning, Meaning::Values(_))
 }
 
 /// Whether a signal is the clock of tables that are named by the rule of this program's own.
 pub(super) fn is_own(signal: &Signal) -> bool {
     signal.name == "t_s" || signal.name.ends_with(".t_s")
-}
-
-fn is_named(bare: &str) -> bool {
-    let small = plain_name(bare);
-    let last = small.rsplit('_').next().unwrap_or(&small);
-    WORDS.contains(&small.as_str()) || WORDS.contains(&last)
 }
 
 /// The unit of a time, and a sentence where the file does not state it.
@@ -87,11 +82,7 @@ fn time_unit(signal: &Signal) -> Option<(String, Option<String>)> {
                 first if first > 1e14 => ("us", "its size is that of microseconds since 1970".into()),
                 first if first > 1e11 => ("ms", "its size is that of milliseconds since 1970".into()),
                 first if first > 1e8 => ("s", "its size is that of seconds since 1970".into()),
-                _ => {
-                    let step = crate::times::median_step_s(&signal.values)
-                        .filter(|step| *step > 0.0 && *step < 0.5)?;
-                    ("s", format!("its step of {} is then {} Hz", short(step), short(1.0 / step)))
-                }
+                _ => by_step(signal)?,
             };
             Some((unit.into(), Some(why)))
         }
@@ -99,18 +90,47 @@ fn time_unit(signal: &Signal) -> Option<(String, Option<String>)> {
     }
 }
 
-/// The first column of a table without names, where it increases evenly.
+/// The unit in which a named time has a step of usual length, and why.
+fn by_step(signal: &Signal) -> Option<(&'static str, String)> {
+    let step = crate::times::median_step_s(&signal.values).filter(|step| *step > 0.0)?;
+    let (unit, unit_s) = match step {
+        step if step < 0.5 => ("s", 1.0),
+        step if step <= 200.0 => ("ms", 1e-3),
+        step if step <= 2e5 => ("us", 1e-6),
+        _ => ("ns", 1e-9),
+    };
+    Some((unit, format!("its step of {} is then {} Hz", short(step), short(1.0 / (step * unit_s)))))
+}
+
+/// The first column of a table without names, where it rises by the same step in nearly all rows.
 fn unnamed(signal: &Signal) -> Option<(String, Option<String>)> {
     const EVEN: f64 = 0.05;
+    const NEARLY_ALL: f64 = 0.9;
     let is_first = signal.name == "column 1" || (signal.name.ends_with(".1") && !signal.name.contains(' '));
     let step = crate::times::median_step_s(&signal.values).filter(|step| *step > 0.0 && *step < 0.5)?;
-    let is_even = signal.values.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < EVEN * step);
+    let steps = || signal.values.windows(2).map(|pair| pair[1] - pair[0]);
+    let even = steps().filter(|own| (own - step).abs() < EVEN * step).count();
+    let is_even = steps().all(|own| own > 0.0) && even as f64 >= NEARLY_ALL * steps().count() as f64;
     let why = format!(
         "it is the first of columns without names, and increases in steps of {}, {} Hz",
         short(step),
         short(1.0 / step)
     );
     (is_first && is_even).then(|| ("s".into(), Some(why)))
+}
+
+/// A column that rises in every row, where no other holds times: the first one, in the unit in which its step has a usual length. One that
+/// rises by one is a number of the sample.
+fn rising(signal: &Signal) -> Option<(String, Option<String>)> {
+    const FEWEST: usize = 8;
+    let steps = || signal.values.windows(2).map(|pair| pair[1] - pair[0]);
+    if signal.values.len() < FEWEST || !steps().all(|step| step > 0.0) || steps().all(|step| step == 1.0) {
+        return None;
+    }
+    let (least, most) = steps().fold((f64::INFINITY, 0.0_f64), |(a, b), step| (a.min(step), b.max(step)));
+    let (unit, _) = by_step(signal)?;
+    let by = if least == most { short(least) } else { format!("{} to {}", short(least), short(most)) };
+    Some((unit.into(), Some(format!("it rises in every row, by {by}"))))
 }
 
 fn short(number: f64) -> String {

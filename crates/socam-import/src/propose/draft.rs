@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use socam_recording::Warning;
-use socam_units::{column, distinct_names, seconds};
+use socam_units::{Meaning, column, conversion, distinct_names, seconds};
 
 use super::{Proposed, ProposedClock, ROWS, clocks, names};
 use crate::error::{ImportError, Result};
 use crate::formats::read;
 use crate::mapping::{ChannelMap, Clock, Mapping, Time};
 use crate::source::{Source, Wanted};
+use crate::time_names::is_time_like;
 
 /// Draft of a mapping from the first rows of a file.
 pub(super) struct Draft {
@@ -47,7 +48,7 @@ impl Draft {
                 let own = signal.name.get(prefix..).filter(|own| own.starts_with(char::is_alphabetic));
                 let column = column(own.unwrap_or(&signal.name), signal.unit.as_deref());
                 let full_name = self.source.name_of(index, place);
-                if group.time == Some(place) || clocks::is_time_like(&column) {
+                if group.time == Some(place) || is_time_like(&column) {
                     // The times at which messages were logged and published belong to the log.
                     if !group.is_by_arrival {
                         self.notes.push(Warning::SecondTime { column: full_name });
@@ -76,12 +77,16 @@ impl Draft {
         let is_open = |channel: &&Proposed| channel.conversion().is_none() && !channel.is_constant();
         let units = self.channels.iter().filter(is_open);
         let units = units.map(|channel| format!("the unit of `{}`{}", channel.signal, channel.guess));
-        let clocks = self.clocks.iter().filter(|clock| clock.time.is_none()).map(|clock| {
+        units.chain(self.unknown_clocks()).collect()
+    }
+
+    /// Groups without times, in words.
+    pub(super) fn unknown_clocks(&self) -> impl Iterator<Item = String> + '_ {
+        self.clocks.iter().filter(|clock| clock.time.is_none()).map(|clock| {
             let group = &self.source.groups[clock.group].name;
             let place = if group.is_empty() { String::new() } else { format!(" of group `{group}`") };
             format!("when the samples{place} were taken")
-        });
-        units.chain(clocks).collect()
+        })
     }
 
     pub(super) fn assumed(&self) -> Vec<String> {
@@ -101,6 +106,29 @@ impl Draft {
                 _ => self.channels.push(channel),
             }
         }
+    }
+
+    /// Takes the likeliest unit of each channel whose unit is not stated; one that no word of its name gives is left aside. Returns what was
+    /// taken, in words.
+    pub(super) fn take_guesses(&mut self) -> Vec<String> {
+        let mut taken = self.assumed();
+        for mut channel in std::mem::take(&mut self.channels) {
+            if channel.conversion().is_none() {
+                let unit = names::likeliest(&channel.column).filter(|_| !channel.is_constant());
+                let Some((unit, conversion)) = unit.and_then(|unit| Some((unit, conversion(unit)?))) else {
+                    self.notes.push(Warning::Note(format!(
+                        "column `{}` states no unit, its name suggests none, and it is left aside",
+                        channel.signal
+                    )));
+                    continue;
+                };
+                taken.push(format!("the unit of `{}`, taken for {unit} by its name", channel.signal));
+                channel.unit = Some(unit.to_owned());
+                channel.column.meaning = Meaning::Values(conversion);
+            }
+            self.channels.push(channel);
+        }
+        taken
     }
 
     /// Says which single letters were read as units, in tables that are not named by the rule of the own CSV.
@@ -124,7 +152,7 @@ impl Draft {
             let (column, unit) = clock.time.as_ref()?;
             Some(Clock {
                 group: Some(group.name.clone()),
-                time: Time::Signal(group.signals[*column].name.clone(), seconds(unit)?),
+                time: Time::Signal(group.signals[*column].name.clone(), Some(seconds(unit)?)),
                 offset_s: 0.0,
                 stamps: clock.stamps,
                 line: 0,

@@ -41,7 +41,7 @@ const WORDS: [(&[&str], &str); 9] = [
         "\"deg\", \"rad\", \"mm\", or \"counts\" with counts_per_turn",
     ),
     (&["current", "strom", "amp", "amps", "iq", "id"], "\"A\""),
-    (&["voltage", "spannung", "volt", "volts"], "\"V\""),
+    (&["voltage", "spannung", "volt", "volts", "ch", "channel"], "\"V\""),
     (&["duty", "pwm"], "\"%\" or \"1\""),
     (&["force", "kraft", "load"], "\"N\""),
     (&["temp", "temperature", "temperatur"], "\"degC\""),
@@ -61,12 +61,24 @@ pub(super) fn guess(column: &Column, signal: &Signal) -> String {
     if let Some(hint) = signal.hint {
         return format!(", {hint}");
     }
+    let usual = usual_units(column).map_or(String::new(), |units| format!(", perhaps {units}"));
+    format!("{usual}{}", shape(signal))
+}
+
+/// Units that signals with a word of this name usually have, in quotes, the likeliest first.
+fn usual_units(column: &Column) -> Option<&'static str> {
     let small = plain_name(&column.name);
     let words: Vec<&str> =
         small.split('_').map(|word| word.trim_end_matches(|c: char| c.is_ascii_digit())).collect();
-    let usual = WORDS.iter().find(|(known, _)| known.iter().any(|word| words.contains(word)));
-    let usual = usual.map_or(String::new(), |(_, units)| format!(", perhaps {units}"));
-    format!("{usual}{}", shape(signal))
+    WORDS.iter().find(|(known, _)| known.iter().any(|word| words.contains(word))).map(|(_, units)| *units)
+}
+
+/// The likeliest unit of a column whose unit is not stated.
+pub(super) fn likeliest(column: &Column) -> Option<&'static str> {
+    match (column.meaning, &column.unit) {
+        (Meaning::Values(_) | Meaning::Counts, _) | (_, Some(_)) => None,
+        (_, None) => usual_units(column)?.split('"').nth(1),
+    }
 }
 
 /// Evidence from the numbers of a signal: counts, or turns in degrees.

@@ -73,7 +73,9 @@ fn clock(text: &mut String, source: &Source, clock: &ProposedClock) {
                 .assumed
                 .as_ref()
                 .map_or(String::new(), |why| format!("   # not stated in the file: {why}"));
-            let _ = writeln!(text, "unit = {}{why}", quoted(unit));
+            if !group.signals[*column].is_date {
+                let _ = writeln!(text, "unit = {}{why}", quoted(unit));
+            }
         }
         None => {
             text.push_str("# No signal of it increases like a time. Write its rate, or name the signal with the times and its unit:\n");

@@ -1,11 +1,12 @@
 //! Cells of a line, and the numbers in them.
 
+use crate::dates::{Moment, moment};
+
 /// A cell's content.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Cell {
     Number(f64),
-    /// Nanoseconds since 1970.
-    Date(i64),
+    Date(Moment),
     /// Empty, or a word for "no value".
     Missing,
     Text,
@@ -21,7 +22,7 @@ pub(crate) fn cell(text: &str, decimal_comma: bool, date: Option<&str>) -> Cell 
     if let Some(number) = number(text, decimal_comma) {
         return Cell::Number(number);
     }
-    if let Some(date) = crate::dates::nanoseconds(text, date) {
+    if let Some(date) = moment(text, date) {
         return Cell::Date(date);
     }
     let small = text.to_ascii_lowercase();

@@ -145,7 +145,12 @@ impl TextLayout {
     fn find_header(&mut self, lines: &[&str]) {
         let width = self.cells(lines[self.first_line - 1]).len();
         let before = |from: usize| {
-            let is_header = |at: &usize| self.cells(header(lines[*at])).len() == width;
+            let is_header = |at: &usize| {
+                let cells = self.cells(header(lines[*at]));
+                let filled =
+                    cells.iter().rposition(|text| !text.trim().is_empty()).map_or(0, |last| last + 1);
+                cells.len() == width || filled == width || is_sequence(&cells)
+            };
             (0..from).rev().find(|at| !lines[*at].trim().is_empty()).filter(is_header)
         };
         let Some(last) = before(self.first_line - 1) else { return };
@@ -162,6 +167,14 @@ impl TextLayout {
     }
 }
 
+/// Whether these are the names or units of a table whose first column numbers the samples: oscilloscopes of Rigol write the time of the first
+/// and their distance behind the units.
+pub(super) fn is_sequence(cells: &[&str]) -> bool {
+    cells.first().is_some_and(|first| first.trim() == "Sequence")
+        || cells.first().is_some_and(|first| first.trim() == "X")
+            && cells.iter().any(|text| text.trim() == "Increment")
+}
+
 /// A line without the mark of a comment, which some programs put before names.
 pub(super) fn header(line: &str) -> &str {
     line.trim_start_matches(['#', '%', '\u{feff}']).trim_end_matches(['\r', '\n'])
@@ -169,7 +182,11 @@ pub(super) fn header(line: &str) -> &str {
 
 fn is_unit(text: &str) -> bool {
     let text = text.trim().trim_matches('"');
-    text == "date" || conversion(text).is_some() || seconds(text).is_some() || is_counts(text)
+    text == "date"
+        || text == "Sequence"
+        || conversion(text).is_some()
+        || seconds(text).is_some()
+        || is_counts(text)
 }
 
 #[cfg(test)]

@@ -1,24 +1,21 @@
 //! Reads a text file by its layout, line by line.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 
 use encoding_rs::Encoding;
-use encoding_rs_io::DecodeReaderBytesBuilder;
 
 use super::cells::{Cell, Style, cell, style};
 use super::layout::header;
+use super::lines::{self, HEAD_BYTES, Lines};
 use super::{TextLayout, sniff};
 use socam_recording::Warning;
 
+use super::columns::{Dated, by_clock, joined};
+use crate::dates::Moment;
 use crate::error::{ImportError, Result};
 use crate::source::{Group, Signal, Source, Wanted};
-
-/// Bytes from which encoding and layout are found.
-const HEAD_BYTES: u64 = 1 << 16;
-/// Longest line, bytes.
-const LONGEST_LINE: u64 = 1 << 20;
 
 /// Finds the encoding of a file and the layout of its lines.
 pub(crate) fn layout(path: &Path) -> Result<TextLayout> {
@@ -26,24 +23,11 @@ pub(crate) fn layout(path: &Path) -> Result<TextLayout> {
     let file = File::open(path).map_err(|error| ImportError::io(path, error))?;
     file.take(HEAD_BYTES).read_to_end(&mut head).map_err(|error| ImportError::io(path, error))?;
     let is_cut = head.len() as u64 == HEAD_BYTES;
-    let encoding = encoding(&head);
+    let encoding = lines::encoding(&head);
     let (text, ..) = encoding.decode(&head);
     sniff(&encoding.name().to_ascii_lowercase(), &text, is_cut).ok_or_else(|| {
         ImportError::file(path, "is no table of numbers: no line holds two cells of which one is a number")
     })
-}
-
-/// The encoding by a byte order mark; else UTF-8 where the bytes are valid, else Western European.
-fn encoding(head: &[u8]) -> &'static Encoding {
-    if let Some((encoding, _)) = Encoding::for_bom(head) {
-        return encoding;
-    }
-    match std::str::from_utf8(head) {
-        Ok(_) => encoding_rs::UTF_8,
-        // The last character may be cut.
-        Err(error) if error.error_len().is_none() => encoding_rs::UTF_8,
-        Err(_) => encoding_rs::WINDOWS_1252,
-    }
 }
 
 /// A column while it is read.
@@ -53,7 +37,7 @@ struct Column {
     unit: Option<String>,
     is_wanted: bool,
     numbers: Vec<f64>,
-    dates: Vec<Option<i64>>,
+    dates: Vec<Option<Moment>>,
     texts: usize,
     first_text: Option<(usize, String)>,
     /// The first cell with a point for its decimal sign in a file with commas, and the first with a point between thousands only.
@@ -73,10 +57,7 @@ pub(crate) fn read(
     };
     let encoding = Encoding::for_label(layout.encoding.as_bytes())
         .ok_or_else(|| ImportError::file(path, format!("`{}` is no encoding known here", layout.encoding)))?;
-    let file = File::open(path).map_err(|error| ImportError::io(path, error))?;
-    let decoded = DecodeReaderBytesBuilder::new().encoding(Some(encoding)).bom_override(true).build(file);
-    let mut lines =
-        Lines { path, reader: BufReader::with_capacity(1 << 18, decoded), line: 0, text: String::new() };
+    let mut lines = Lines::open(path, encoding)?;
     let (mut names, mut units) = (Vec::new(), Vec::new());
     let mut columns: Vec<Column> = Vec::new();
     let mut rows = 0;
@@ -107,23 +88,40 @@ pub(crate) fn read(
         }
         rows += 1;
     }
+    number_in_seconds(&names, &units, &mut columns);
     if rows == 0 {
         return Err(ImportError::file(
             path,
             format!("ends before line {}, the first of numbers", layout.first_line),
         ));
     }
-    finish(path, columns, rows, layout)
+    finish(path, columns, rows, layout, wanted)
 }
 
 fn begin(names: &[String], units: &[String], width: usize, wanted: &Wanted) -> Vec<Column> {
     let column = |index: usize| {
         let name = names.get(index).filter(|name| !name.is_empty()).cloned();
         let name = name.unwrap_or_else(|| format!("column {}", index + 1));
-        let is_wanted = wanted.takes("", &name);
+        let is_wanted = wanted.may_take(&name);
         Column { unit: units.get(index).cloned(), is_wanted, name, ..Column::default() }
     };
     (0..width).map(column).collect()
+}
+
+/// Puts the numbers of an oscilloscope's samples in seconds, see [`is_sequence`](super::layout::is_sequence).
+fn number_in_seconds(names: &[String], units: &[String], columns: &mut [Column]) {
+    let below = |name: &str| {
+        let at = names.iter().position(|own| own == name)?;
+        units.get(at)?.parse::<f64>().ok()
+    };
+    let is_sequence = units.first().is_some_and(|first| first == "Sequence");
+    let (Some(start_s), Some(step_s), true) = (below("Start"), below("Increment"), is_sequence) else {
+        return;
+    };
+    if let Some(first) = columns.first_mut() {
+        first.numbers.iter_mut().for_each(|number| *number = start_s + step_s * *number);
+        first.unit = Some("s".into());
+    }
 }
 
 impl Column {
@@ -164,9 +162,16 @@ impl Column {
 }
 
 /// Columns of text are left aside; one that holds both is an error at its first text.
-fn finish(path: &Path, columns: Vec<Column>, rows: usize, layout: TextLayout) -> Result<Source> {
+fn finish(
+    path: &Path,
+    columns: Vec<Column>,
+    rows: usize,
+    layout: TextLayout,
+    wanted: &Wanted,
+) -> Result<Source> {
     let mut source = Source { text: Some(layout), ..Source::default() };
     let mut group = Group::default();
+    let mut dated: Vec<(usize, Dated)> = Vec::new();
     for column in columns.into_iter().filter(|column| column.is_wanted) {
         if let Some((line, text)) = column.first_text {
             if column.texts == rows || (2 * column.texts > rows && column.dates.is_empty()) {
@@ -195,34 +200,17 @@ fn finish(path: &Path, columns: Vec<Column>, rows: usize, layout: TextLayout) ->
                 .push(Warning::Note(format!("column `{}` holds no value and is left aside", column.name)));
             continue;
         }
-        group.signals.push(if column.dates.is_empty() {
-            Signal::new(column.name, column.unit, column.numbers)
+        if column.dates.is_empty() {
+            group.signals.push(Signal::new(column.name, column.unit, column.numbers));
         } else {
-            Signal::of_integers(column.name, Some("ns".into()), column.dates.iter().copied())
-        });
-    }
-    source.groups.push(group);
-    Ok(source.tidy())
-}
-
-/// Lines of text with their numbers.
-struct Lines<'p, R> {
-    path: &'p Path,
-    reader: BufReader<R>,
-    line: usize,
-    text: String,
-}
-
-impl<R: Read> Lines<'_, R> {
-    fn next(&mut self) -> Result<bool> {
-        self.text.clear();
-        let read = (&mut self.reader).take(LONGEST_LINE).read_line(&mut self.text);
-        let read = read.map_err(|error| ImportError::io(self.path, error))?;
-        self.line += 1;
-        if read as u64 == LONGEST_LINE {
-            let problem = format!("is longer than {LONGEST_LINE} bytes; this is no table of numbers");
-            return Err(ImportError::line(self.path, self.line, problem));
+            dated.push((group.signals.len(), Dated { name: column.name, moments: column.dates }));
         }
-        Ok(read > 0)
     }
+    for (before, (at, column)) in joined(dated, &mut source.notes).into_iter().enumerate() {
+        group.signals.insert(at + before, column);
+    }
+    source.groups = by_clock(group);
+    let mut source = source.with_shared_clocks().tidy();
+    source.keep(wanted);
+    Ok(source)
 }
