@@ -37,6 +37,8 @@ mod fleet;
 mod frequency;
 mod identify;
 mod import;
+#[cfg(feature = "full")]
+mod import_model;
 mod imports;
 #[cfg(unix)]
 mod interrupt;

@@ -147,13 +147,15 @@ pub fn import_guessed(selection: &Selection) -> Result<Guessed> {
     let mut draft = Draft::of(path)?;
     let without_clock: Vec<String> = draft.unknown_clocks().collect();
     if let Some(first) = without_clock.first() {
-        let problem = format!("does not say {first}, and no column rises like a time");
-        return Err(ImportError::Unstated { path: path.into(), problem });
+        let problem = format!(
+            "does not say {first}, and no column rises like a time; write the rate in a mapping, which `import --propose` begins"
+        );
+        return Err(ImportError::file(path, problem));
     }
     let taken = draft.take_guesses();
     if draft.channels.is_empty() {
-        let problem = "names no column by a word that suggests a unit".to_owned();
-        return Err(ImportError::Unstated { path: path.into(), problem });
+        let problem = "names no column by a word that suggests a unit; write units in a mapping, which `import --propose` begins";
+        return Err(ImportError::file(path, problem));
     }
     names::make_keys(&mut draft.channels);
     let mapping = write::mapping(path, &draft);

@@ -20,13 +20,20 @@ use crate::output::{self, WrongArguments};
   socam-host export-model corrected.toml --to mujoco                writes corrected.xml
   socam-host export-model corrected.toml --to python -o bench.py
   socam-host export-model corrected.toml --to fmi3                  writes corrected.fmu
-  socam-host export-model two-mass --to modelica -o -")]
+  socam-host export-model two-mass --to modelica -o -
+  socam-host export-model corrected.toml --into arm.xml --joint elbow -o corrected.xml")]
 pub(crate) struct Args {
     #[arg(value_name = "MODEL", help = socam_job::MODEL_HELP)]
     model: String,
     /// Simulator
-    #[arg(long, value_enum)]
-    to: To,
+    #[arg(long, value_enum, required_unless_present = "into")]
+    to: Option<To>,
+    /// Description of a robot (URDF, MJCF or SDF) from which `import-model` took the model: its joint gets the model's numbers, and the rest of its text stays
+    #[arg(long, value_name = "ROBOT", conflicts_with = "to", requires = "output")]
+    into: Option<PathBuf>,
+    /// Joint of ROBOT, needed where there are several
+    #[arg(long, value_name = "NAME", requires = "into")]
+    joint: Option<String>,
     /// File to write; `-` for stdout [default: beside MODEL, with the simulator's extension]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -66,7 +73,10 @@ impl To {
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let model = socam_job::load_model(&args.model)?;
-    let Some(target) = args.to.text() else { return unit(&args, &model) };
+    if let Some(robot) = &args.into {
+        return into_robot(&args, robot, &model);
+    }
+    let Some(target) = args.to.and_then(To::text) else { return unit(&args, &model) };
     let path = args.output.unwrap_or_else(|| beside(&args.model, target));
     let to_stdout = path.as_os_str() == "-";
     let name = name(&args.model, &path, target)?;
@@ -94,6 +104,59 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         }
     }
     Ok(Outcome::Done)
+}
+
+/// Puts the numbers of a joint's model into the description that it came from.
+fn into_robot(args: &Args, path: &Path, model: &Model) -> anyhow::Result<Outcome> {
+    let (robot, text) = super::import_model::open(path)?;
+    let joint = robot.joint(args.joint.as_deref()).with_context(|| format!("`{}`", path.display()))?;
+    let (corrections, others) = corrections(model)?;
+    let (patched, left_out) = socam_robot::patch(&text, &joint.name, joint.behind.value, &corrections)
+        .with_context(|| format!("`{}`", path.display()))?;
+    for part in left_out.iter().chain(&others) {
+        output::warn(format_args!("{} does not hold all: {part}", robot.syntax));
+    }
+    let Some(target) = &args.output else {
+        return Err(WrongArguments("name the description to write with -o".into()).into());
+    };
+    if target.as_os_str() == "-" {
+        output::print(&patched)?;
+        return Ok(Outcome::Done);
+    }
+    output::check_target(target, path, args.force)?;
+    let mut file = output::create_new(target, args.force)?;
+    file.write_all(patched.as_bytes()).with_context(|| format!("cannot write `{}`", target.display()))?;
+    file.commit()?;
+    output::say(format_args!("joint {} of {} written to {}", joint.name, joint.robot, target.display()));
+    Ok(Outcome::Done)
+}
+
+/// The numbers of a model of one joint, and what is not among them, in sentences.
+fn corrections(model: &Model) -> anyhow::Result<(socam_robot::Corrections, Vec<String>)> {
+    let [node] = model.nodes.as_slice() else {
+        let problem = format!(
+            "`{}` has {} nodes; a joint's model, as `import-model` writes it, has one",
+            model.name,
+            model.nodes.len()
+        );
+        return Err(WrongArguments(problem).into());
+    };
+    let value = |index: usize| model.parameters[index].value;
+    let sum = |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum());
+    let damping = model.bearings.iter().filter_map(|bearing| bearing.damping).map(value).collect();
+    let friction = model.effects.iter().filter(|used| used.effect.id == "coulomb_friction");
+    let stiffness = model.springs.iter().map(|spring| value(spring.stiffness)).collect();
+    let corrections = socam_robot::Corrections {
+        inertia: node.inertia.map(value),
+        damping: sum(damping),
+        friction: sum(friction.map(|used| value(used.parameters[0])).collect()),
+        stiffness: sum(stiffness),
+    };
+    // Weight is that of the bodies.
+    let is_held = |id: &str| matches!(id, "coulomb_friction" | "gravity_unbalance" | "constant_load");
+    let others = model.effects.iter().filter(|used| !is_held(used.effect.id));
+    let others = others.map(|used| format!("{} at {}", used.effect.name, used.place)).collect();
+    Ok((corrections, others))
 }
 
 /// Packs an FMI unit with the shared library that cargo builds next to this program.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 use anyhow::Context;
-use socam_import::{Imported, Mapping, Opened};
+use socam_import::{ImportError, Imported, Mapping, Opened};
 use socam_recording::{Attachment, Calibration, Dataset, Format, LegacyLog, Selection, import_mcap};
 
 use super::{Outcome, record};
@@ -141,7 +141,11 @@ impl Log {
 
     /// A recording whose file states units and times of all signals.
     fn stated(selection: &Selection) -> anyhow::Result<Self> {
-        match socam_import::open_either(selection)? {
+        Self::opened(socam_import::open_either(selection)?, selection)
+    }
+
+    fn opened(opened: Opened, selection: &Selection) -> anyhow::Result<Self> {
+        match opened {
             Opened::Own(data) => Self::own(data, selection),
             Opened::Foreign(imported) => Ok(Self::imported(imported, selection)),
         }
@@ -149,10 +153,10 @@ impl Log {
 
     /// A recording whose file leaves open what its numbers are: with the likeliest units and times.
     fn guessed(selection: &Selection) -> anyhow::Result<Self> {
-        if socam_recording::detect(&selection.path).is_ok() {
-            return Self::stated(selection);
-        }
-        let guessed = socam_import::import_guessed(selection)?;
+        let guessed = match socam_import::open_either(selection) {
+            Err(ImportError::Unstated { .. }) => socam_import::import_guessed(selection)?,
+            opened => return Self::opened(opened?, selection),
+        };
         for taken in &guessed.taken {
             output::say(format_args!("guessed: {taken}"));
         }

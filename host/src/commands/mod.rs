@@ -20,6 +20,8 @@ mod flash;
 mod fleet;
 mod identify;
 mod import;
+#[cfg(feature = "exchange")]
+mod import_model;
 mod info;
 mod model;
 mod new;
@@ -181,6 +183,7 @@ commands! {
     Check => check,
     Import => import,
     Export => export,
+    ImportModel => import_model if "exchange",
     ExportModel => export_model if "exchange",
     Identify => identify,
     Diagnose => diagnose,

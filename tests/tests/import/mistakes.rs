@@ -35,8 +35,8 @@ const MISTAKES: [(&str, &str, &str); 22] = [
     ),
     (
         "unit = \"rpm\"",
-        "unit = \"A\"\nscale = 0.055\nto = \"Newton\"",
-        "`MAP`, line 9: `to` is \"Newton\", which is no unit known here",
+        "unit = \"A\"\nscale = 0.055\nto = \"Furlong\"",
+        "`MAP`, line 9: `to` is \"Furlong\", which is no unit known here",
     ),
     (
         "unit = \"rpm\"",

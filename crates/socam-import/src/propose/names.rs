@@ -70,7 +70,10 @@ fn usual_units(column: &Column) -> Option<&'static str> {
     let small = plain_name(&column.name);
     let words: Vec<&str> =
         small.split('_').map(|word| word.trim_end_matches(|c: char| c.is_ascii_digit())).collect();
-    WORDS.iter().find(|(known, _)| known.iter().any(|word| words.contains(word))).map(|(_, units)| *units)
+    // `rSpeedActual` of a PLC holds a word as well; shorter ones are in many words.
+    const LONG: usize = 5;
+    let is_in = |word: &&str| words.contains(word) || (word.len() >= LONG && small.contains(*word));
+    WORDS.iter().find(|(known, _)| known.iter().any(|word| is_in(word))).map(|(_, units)| *units)
 }
 
 /// The likeliest unit of a column whose unit is not stated.
