@@ -6,6 +6,7 @@ use socam_model::Model;
 
 use crate::{
     candidate::Candidate,
+    candidates,
     context::{self, Context, FittedModel},
     criterion,
     extension::carried_over,
@@ -132,7 +133,7 @@ impl Path {
             }
             let gained = self.gain(&self.last, &fitted);
             let is_needed = Self::is_better(&self.noise, gained, (&self.last, &fitted))
-                && gained.log_score > self.least_gain_over(index, &simpler);
+                && gained.log_score > self.least_gain_over(index)(&simpler);
             if !is_needed {
                 self.last = fitted;
                 self.take_law(context, index, simpler);
@@ -144,9 +145,10 @@ impl Path {
 
     /// Log score that a term's law has to gain over another effect's law: more than the simpler law's discrepancy can make. 0 for a law of
     /// the same effect.
-    fn least_gain_over(&self, index: usize, other: &Candidate) -> f64 {
-        let term = &self.terms[index];
-        if other.effect.id == term.candidate.effect.id { 0.0 } else { criterion::by_law(term.gain.log_score) }
+    fn least_gain_over(&self, index: usize) -> impl Fn(&Candidate) -> f64 + use<> {
+        let (own, discrepancy) =
+            (self.terms[index].candidate.effect.id, criterion::by_law(self.terms[index].gain.log_score));
+        move |other| if other.effect.id == own { 0.0 } else { discrepancy }
     }
 
     /// Replaces terms' laws by laws that contain them and predict better. Noise levels are known only once most missing physics was added,
@@ -154,47 +156,83 @@ impl Path {
     pub(crate) fn upgrade(&mut self, context: &Context<'_>) -> Result<(), IdentifyError> {
         for index in 0..self.terms.len() {
             let excess = self.noise.excess();
-            if excess > RETRY_SHARE * self.terms[index].excess_at_upgrade || context.stops() {
+            let is_left = excess >= EXCESS && excess <= RETRY_SHARE * self.terms[index].excess_at_upgrade;
+            if !is_left || context.stops() {
                 continue;
             }
             self.terms[index].excess_at_upgrade = excess;
             let first = self.terms[index].candidate.clone();
+            let least = self.least_gain_over(index);
             for starts in nested::refined_laws(&first, &self.base.model) {
-                self.replace(context, index, starts)?;
+                self.replace(context, index, starts, &least)?;
             }
-            let richer = nested::richer_laws(self, index);
-            self.replace(context, index, richer)?;
+            let least = self.least_gain_over(index);
+            let richer = nested::richer_laws(self, index, &self.candidates(context)?);
+            self.replace(context, index, richer, least)?;
         }
         Ok(())
     }
 
-    /// Replaces a term's law by the best of several laws, if it predicts better.
+    /// Replaces the laws of the terms at a place, where a curve predicts better than they do, by laws that contain them. Returns whether one
+    /// was replaced. What a law may be wrong by is no reason to keep it here, because the curve has more than that to explain.
+    pub(crate) fn exchange_laws_at(
+        &mut self,
+        context: &Context<'_>,
+        place: &str,
+    ) -> Result<bool, IdentifyError> {
+        let here: Vec<usize> =
+            (0..self.terms.len()).filter(|index| self.terms[*index].candidate.place == place).collect();
+        let mut is_exchanged = false;
+        for index in here {
+            let law = self.terms[index].candidate.clone();
+            for starts in nested::refined_laws(&law, &self.base.model) {
+                is_exchanged |= self.replace(context, index, starts, |_| 0.0)?;
+            }
+            let richer = nested::richer_laws(self, index, &self.candidates(context)?);
+            is_exchanged |= self.replace(context, index, richer, |_| 0.0)?;
+        }
+        if is_exchanged {
+            self.tests.clear();
+        }
+        Ok(is_exchanged)
+    }
+
+    /// Replaces a term's law by the best of several laws, if it predicts better by more than a standard error and what `least` says for it.
+    /// Returns whether it does.
     fn replace(
         &mut self,
         context: &Context<'_>,
         index: usize,
         starts: Vec<Candidate>,
-    ) -> Result<(), IdentifyError> {
-        if self.noise.excess() < EXCESS || context.stops() {
-            return Ok(());
+        least: impl Fn(&Candidate) -> f64,
+    ) -> Result<bool, IdentifyError> {
+        if context.stops() {
+            return Ok(false);
         }
-        let Some((candidate, model, values)) = self.best_of(context, index, starts)? else { return Ok(()) };
+        let Some((candidate, model, values)) = self.best_of(context, index, starts)? else {
+            return Ok(false);
+        };
         let problem = context.tentative(&model)?;
         let best = self.last.deviance();
         let at = context::descend_in_rounds(&problem, &self.noise, &values, best, &UPGRADING)?;
-        let Some(at) = at else { return Ok(()) };
+        let Some(at) = at else { return Ok(false) };
         let noise = context.noise_at(&model, &at, self.noise.levels())?;
         let noise = noise.unwrap_or_else(|| self.noise.clone());
         let after = context.compared(&model, &at, &noise)?;
         let before = context.compared(&self.last.model, &self.last.at, &noise)?;
-        let Some((after, before)) = after.zip(before).filter(|_| !context.stops()) else { return Ok(()) };
+        let Some((after, before)) = after.zip(before).filter(|_| !context.stops()) else { return Ok(false) };
         let gained = self.gain(&after, &before);
-        if gained.log_score <= gained.std.max(self.least_gain_over(index, &candidate)) {
-            return Ok(());
+        if gained.log_score <= gained.std.max(least(&candidate)) {
+            return Ok(false);
         }
         (self.last, self.noise) = (after, noise);
         self.take_law(context, index, candidate);
-        Ok(())
+        Ok(true)
+    }
+
+    /// All candidates on this machine, those of terms and their equivalents included.
+    fn candidates(&self, context: &Context<'_>) -> Result<Vec<Candidate>, IdentifyError> {
+        Ok(candidates::all(&self.last.model, &self.scales(context)?))
     }
 
     /// Puts another law in a term's place.

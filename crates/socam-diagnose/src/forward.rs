@@ -135,6 +135,11 @@ impl Path {
                 return Ok(false);
             }
             if named.is_none() {
+                let place = curve.place.clone();
+                if self.exchange_laws_at(context, &place)? {
+                    self.unexplained = None;
+                    return Ok(true);
+                }
                 self.replace_by_curve(context)?;
                 return Ok(false);
             }
@@ -256,9 +261,8 @@ impl Path {
         // A law that was raced from one start may have ended short of what it can explain: it begins again from a simpler one.
         let last = self.terms.len() - 1;
         self.simplify(context, last)?;
-        self.upgrade(context)?;
-        // Nested laws are chosen from the last score test, so that it is cleared only now.
         self.tests.clear();
+        self.upgrade(context)?;
         self.eliminate(context, last)
     }
 

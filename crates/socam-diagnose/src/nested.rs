@@ -18,14 +18,13 @@ pub(crate) fn refined_laws(candidate: &Candidate, model: &Model) -> Vec<Vec<Cand
     laws.filter(|starts| !starts.is_empty()).collect()
 }
 
-/// Starts of laws that contain a term's law, from the term's fitted values. Refined laws are included if their additional parameters are
-/// known.
-pub(crate) fn richer_laws(path: &Path, term: usize) -> Vec<Candidate> {
+/// Starts of laws among `all` candidates that contain a term's law, from the term's fitted values. Refined laws are included if their
+/// additional parameters are known.
+pub(crate) fn richer_laws(path: &Path, term: usize, all: &[Candidate]) -> Vec<Candidate> {
     let own = &path.terms[term].candidate;
     let fitted = path.fitted_parameters(term);
-    let tested = path.tests.iter().map(|one| &one.start);
     let mut starts: Vec<Candidate> =
-        tested.flat_map(|start| start.in_place_of(own, &fitted, &path.last.model)).collect();
+        all.iter().flat_map(|start| start.in_place_of(own, &fitted, &path.last.model)).collect();
     let richer = starts.clone();
     let refined = richer.iter().flat_map(|start| refined_laws(start, &path.base.model)).flatten();
     for start in refined.filter(|start| richer.iter().any(|before| before.is_same(start))) {
