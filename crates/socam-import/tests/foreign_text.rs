@@ -219,6 +219,15 @@ fn a_log_of_sysid_is_one_recording_with_gaps() {
 }
 
 #[test]
+fn text_among_the_numbers_of_records_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = r#"[{"t_s":0,"x_m":1},{"t_s":1,"x_m":2},{"t_s":2,"x_m":"bad"}]"#;
+    let (data, _) = read(folder.path(), "log.json", text).unwrap();
+    let said: Vec<String> = data.warnings().iter().map(Warning::to_string).collect();
+    assert!(said.iter().any(|text| text.contains("column `x_m` holds text in 1 of 3 rows")), "{said:?}");
+}
+
+#[test]
 fn times_of_day_go_on_behind_midnight_and_have_no_unit() {
     let folder = tempfile::tempdir().unwrap();
     let text = "Time;speed_rad_s\n23:59:59.980;1\n23:59:59.990;2\n00:00:00.000;3\n00:00:00.010;4\n";

@@ -13,6 +13,9 @@ use crate::xml::{numbers, vector_of};
 /// Mass of a volume whose density is not stated, kg/m³.
 const DENSITY: f64 = 1000.0;
 
+/// Elements that stand in one another; robots have some twenty.
+const DEEPEST: usize = 300;
+
 type Attributes = HashMap<String, String>;
 
 /// What an element of a class has by default: by class and element.
@@ -154,6 +157,9 @@ pub(crate) fn read(root: Node<'_, '_>, include: &dyn Fn(&str) -> Option<String>)
         texts.iter().map(|text| Ok(Document::parse(text)?)).collect::<Result<_>>()?;
     let roots: Vec<Node<'_, '_>> = documents.iter().map(Document::root_element).chain([root]).collect();
     for root in &roots {
+        if let Some(deep) = root.descendants().find(|node| node.ancestors().nth(DEEPEST).is_some()) {
+            return Err(RobotError::at(deep, format!("more than {DEEPEST} elements stand in one another")));
+        }
         reader.settings(*root)?;
     }
     for world in roots.iter().flat_map(|root| root.children()).filter(|node| node.has_tag_name("worldbody")) {

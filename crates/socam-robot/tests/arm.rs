@@ -140,6 +140,11 @@ fn what_is_no_robot_is_refused_in_a_sentence() {
     assert!(said("<robot name='a'><link name='l'/></robot>").contains("no joint with one degree of freedom"));
     let circle = SDF.replace("<pose relative_to=\"elbow\"/>", "<pose relative_to=\"lower\"/>");
     assert!(said(&circle).contains("relative to itself"), "{}", said(&circle));
+    let deep = "<body>".repeat(100_000) + &"</body>".repeat(100_000);
+    assert!(
+        said(&format!("<mujoco><worldbody>{deep}</worldbody></mujoco>"))
+            .contains("elements stand in one another")
+    );
     let massless = URDF.replace("<inertial>", "<other>").replace("</inertial>", "</other>");
     let error = Robot::parse(&massless, &|_| None).unwrap().joint(Some("elbow")).unwrap_err();
     assert!(

@@ -239,6 +239,14 @@ impl Records {
         for (name, mut cells) in std::mem::take(&mut self.columns) {
             cells.resize(self.rows, Cell::Missing);
             if cells.iter().any(|cell| matches!(cell, Cell::Number(_) | Cell::Date(_))) {
+                let texts = cells.iter().filter(|cell| matches!(cell, Cell::Text)).count();
+                if texts > 0 {
+                    let problem = format!(
+                        "column `{name}` holds text in {texts} of {} rows, which are missing",
+                        cells.len()
+                    );
+                    source.notes.push(Warning::Note(problem));
+                }
                 signals.push(signal(name, cells));
             } else {
                 source.notes.push(Warning::Note(format!("column `{name}` is text and is left aside")));
