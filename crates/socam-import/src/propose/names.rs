@@ -73,7 +73,7 @@ fn usual_units(column: &Column) -> Option<&'static str> {
     // `rSpeedActual` of a PLC holds a word as well; shorter ones are in many words.
     const LONG: usize = 5;
     let is_in = |word: &&str| words.contains(word) || (word.len() >= LONG && small.contains(*word));
-    WORDS.iter().find(|(known, _)| known.iter().any(|word| is_in(word))).map(|(_, units)| *units)
+    WORDS.iter().find(|(known, _)| known.iter().any(is_in)).map(|(_, units)| *units)
 }
 
 /// The likeliest unit of a column whose unit is not stated.
