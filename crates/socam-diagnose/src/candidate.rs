@@ -160,14 +160,17 @@ impl Candidate {
 
     /// Whether this law contains another one at the same place as a special case.
     pub(crate) fn contains(&self, other: &Self) -> bool {
-        self.place == other.place && self.effect.replaces.iter().any(|own| own.law == other.effect.id)
+        self.place == other.place && self.extends(other)
+    }
+
+    /// Whether this law contains another one, at whatever places.
+    fn extends(&self, other: &Self) -> bool {
+        self.effect.replaces.iter().any(|own| own.law == other.effect.id)
     }
 
     /// Whether two laws, at whatever places, are the same or one contains the other.
     pub(crate) fn is_akin(&self, other: &Self) -> bool {
-        let contains =
-            |one: &Self, other: &Self| one.effect.replaces.iter().any(|own| own.law == other.effect.id);
-        self.effect.id == other.effect.id || contains(self, other) || contains(other, self)
+        self.effect.id == other.effect.id || self.extends(other) || other.extends(self)
     }
 
     /// Starts of this law in the place of the law `simpler`, whose fitted values are `fitted`. Empty where this law does not contain

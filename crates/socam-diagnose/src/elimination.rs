@@ -161,14 +161,7 @@ impl Path {
                 continue;
             }
             self.terms[index].excess_at_upgrade = excess;
-            let first = self.terms[index].candidate.clone();
-            let least = self.least_gain_over(index);
-            for starts in nested::refined_laws(&first, &self.base.model) {
-                self.replace(context, index, starts, &least)?;
-            }
-            let least = self.least_gain_over(index);
-            let richer = nested::richer_laws(self, index, &self.candidates(context)?);
-            self.replace(context, index, richer, least)?;
+            self.enrich(context, index, self.least_gain_over(index))?;
         }
         Ok(())
     }
@@ -184,17 +177,29 @@ impl Path {
             (0..self.terms.len()).filter(|index| self.terms[*index].candidate.place == place).collect();
         let mut is_exchanged = false;
         for index in here {
-            let law = self.terms[index].candidate.clone();
-            for starts in nested::refined_laws(&law, &self.base.model) {
-                is_exchanged |= self.replace(context, index, starts, |_| 0.0)?;
-            }
-            let richer = nested::richer_laws(self, index, &self.candidates(context)?);
-            is_exchanged |= self.replace(context, index, richer, |_| 0.0)?;
+            is_exchanged |= self.enrich(context, index, |_| 0.0)?;
         }
         if is_exchanged {
             self.tests.clear();
         }
         Ok(is_exchanged)
+    }
+
+    /// Replaces a term's law by its refined form, and then by a law that contains it, where each predicts better by more than `least` says.
+    /// Returns whether one does.
+    fn enrich(
+        &mut self,
+        context: &Context<'_>,
+        index: usize,
+        least: impl Fn(&Candidate) -> f64,
+    ) -> Result<bool, IdentifyError> {
+        let mut is_replaced = false;
+        for starts in nested::refined_laws(&self.terms[index].candidate, &self.base.model) {
+            is_replaced |= self.replace(context, index, starts, &least)?;
+        }
+        let richer = nested::richer_laws(self, index, &self.candidates(context)?);
+        is_replaced |= self.replace(context, index, richer, least)?;
+        Ok(is_replaced)
     }
 
     /// Replaces a term's law by the best of several laws, if it predicts better by more than a standard error and what `least` says for it.

@@ -13,9 +13,7 @@ pub(crate) struct Mass {
 impl Mass {
     /// A mass whose own frame stands at `pose`.
     pub(crate) fn at(mass: f64, inertia: Matrix3<f64>, pose: &Isometry3<f64>) -> Self {
-        let turn = pose.rotation.to_rotation_matrix();
-        let inertia = turn.matrix() * inertia * turn.matrix().transpose();
-        Self { mass, centre: pose.translation.vector, inertia }
+        Self { mass, centre: Vector3::zeros(), inertia }.moved(pose)
     }
 
     /// The same mass in the frame in which its own stands at `pose`.

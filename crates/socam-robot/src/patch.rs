@@ -3,6 +3,7 @@
 use roxmltree::{Document, Node};
 
 use crate::error::{Result, RobotError};
+use crate::xml::child;
 
 /// Numbers of a corrected model of a joint, SI; `None` where the model has none.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -60,42 +61,38 @@ pub fn patch(text: &str, name: &str, behind: f64, corrected: &Corrections) -> Re
                 ("armature", armature),
                 ("stiffness", corrected.stiffness),
             ];
-            let attributes = all.iter().filter_map(|(key, value)| Some((*key, (*value)?)));
-            edits.extend(attributes.filter_map(|(key, value)| attribute(text, joint, key, value)));
+            edits.extend(given(&all).filter_map(|(key, value)| attribute(text, joint, key, value)));
         }
         "robot" => {
             left_out.extend(corrected.stiffness.map(|_| "the spring: URDF has none at a joint".to_owned()));
             left_out.extend(differs(corrected.inertia, behind));
             let all = [("damping", corrected.damping), ("friction", corrected.friction)];
-            let wanted: Vec<(&str, f64)> =
-                all.iter().filter_map(|(key, value)| Some((*key, (*value)?))).collect();
-            match joint.children().find(|node| node.has_tag_name("dynamics")) {
-                Some(dynamics) => edits
-                    .extend(wanted.iter().filter_map(|(key, value)| attribute(text, dynamics, key, *value))),
+            match child(joint, "dynamics") {
+                Some(dynamics) => {
+                    edits
+                        .extend(given(&all).filter_map(|(key, value)| attribute(text, dynamics, key, value)));
+                }
                 None => {
                     let all: Vec<String> =
-                        wanted.iter().map(|(key, value)| format!("{key}=\"{value}\"")).collect();
+                        given(&all).map(|(key, value)| format!("{key}=\"{value}\"")).collect();
                     edits.push(inserted(text, joint, &format!("<dynamics {}/>", all.join(" "))));
                 }
             }
         }
         _ => {
             left_out.extend(differs(corrected.inertia, behind));
-            let axis = joint.children().find(|node| node.has_tag_name("axis"));
+            let axis = child(joint, "axis");
             let axis = axis.ok_or_else(|| RobotError::at(joint, "has no <axis>"))?;
             let all = [
                 ("damping", corrected.damping),
                 ("friction", corrected.friction),
                 ("spring_stiffness", corrected.stiffness),
             ];
-            let wanted: Vec<(&str, f64)> =
-                all.iter().filter_map(|(key, value)| Some((*key, (*value)?))).collect();
-            let dynamics = axis.children().find(|node| node.has_tag_name("dynamics"));
             let element = |key: &str, value: f64| format!("<{key}>{value}</{key}>");
-            match dynamics {
+            match child(axis, "dynamics") {
                 Some(dynamics) => {
-                    for (key, value) in wanted {
-                        match dynamics.children().find(|node| node.has_tag_name(key)) {
+                    for (key, value) in given(&all) {
+                        match child(dynamics, key) {
                             Some(old) => edits.push(Edit {
                                 from: old.range().start,
                                 to: old.range().end,
@@ -106,7 +103,7 @@ pub fn patch(text: &str, name: &str, behind: f64, corrected: &Corrections) -> Re
                     }
                 }
                 None => {
-                    let all: String = wanted.iter().map(|(key, value)| element(key, *value)).collect();
+                    let all: String = given(&all).map(|(key, value)| element(key, value)).collect();
                     edits.push(inserted(text, axis, &format!("<dynamics>{all}</dynamics>")));
                 }
             }
@@ -119,6 +116,11 @@ pub fn patch(text: &str, name: &str, behind: f64, corrected: &Corrections) -> Re
     }
     Document::parse(&patched)?;
     Ok((patched, left_out))
+}
+
+/// The numbers that the model has, by their keys.
+fn given<'k>(all: &[(&'k str, Option<f64>)]) -> impl Iterator<Item = (&'k str, f64)> {
+    all.iter().filter_map(|(key, value)| Some((*key, (*value)?)))
 }
 
 /// A sentence where the corrected inertia is not that of the bodies.
@@ -148,15 +150,15 @@ fn attribute(text: &str, node: Node<'_, '_>, key: &str, value: f64) -> Option<Ed
 }
 
 /// A new last child of an element.
-fn inserted(text: &str, node: Node<'_, '_>, child: &str) -> Edit {
+fn inserted(text: &str, node: Node<'_, '_>, new: &str) -> Edit {
     let range = node.range();
     let own = &text[range.clone()];
     match own.rfind("</") {
-        Some(end) => Edit { from: range.start + end, to: range.start + end, text: child.to_owned() },
+        Some(end) => Edit { from: range.start + end, to: range.start + end, text: new.to_owned() },
         // `<dynamics/>` gets an end of its own.
         None => {
             let name = node.tag_name().name();
-            Edit { from: range.end - 2, to: range.end, text: format!(">{child}</{name}>") }
+            Edit { from: range.end - 2, to: range.end, text: format!(">{new}</{name}>") }
         }
     }
 }

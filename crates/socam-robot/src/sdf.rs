@@ -7,7 +7,7 @@ use roxmltree::Node;
 
 use crate::error::{Result, RobotError};
 use crate::mass::{Mass, symmetric};
-use crate::tree::{Body, Joint, Moves, Robot, Syntax};
+use crate::tree::{Body, Joint, LIMITS, Moves, Robot, Syntax};
 use crate::xml::{child, name_of, numbers, pose, text_number, vector_of};
 
 /// Gravity of a world that states none, m/s² (the default of SDF).
@@ -136,7 +136,8 @@ pub(crate) fn read(root: Node<'_, '_>) -> Result<Robot> {
                 "a joint names the link `{name}`, which is not in the model"
             )));
         };
-        let world = model_pose * frames.find(&name, 0)?;
+        let in_model = frames.find(&name, 0)?;
+        let world = model_pose * in_model;
         let pose = parent.map_or(world, |parent| robot.world(parent).inverse() * world);
         let index = robot.bodies.len();
         robot.bodies.push(Body { name: name.clone(), parent, pose, mass: mass(*link)? });
@@ -147,8 +148,7 @@ pub(crate) fn read(root: Node<'_, '_>) -> Result<Robot> {
             end(joint, "child") == name && is_own
         });
         if let Some(joint) = own {
-            let in_body =
-                frames.find(&name, 0)?.inverse() * frames.find(joint.attribute("name").unwrap_or(""), 0)?;
+            let in_body = in_model.inverse() * frames.find(joint.attribute("name").unwrap_or(""), 0)?;
             let read = self::joint(*joint, index, (&in_body, &frames, &name), &mut robot.left_out)?;
             robot.joints.extend(read);
         }
@@ -169,15 +169,7 @@ fn joint(
     left_out: &mut Vec<String>,
 ) -> Result<Option<Joint>> {
     let name = name_of(node)?;
-    let moves = match node.attribute("type").unwrap_or("") {
-        "revolute" | "continuous" => Moves::Turns,
-        "prismatic" => Moves::Slides,
-        "fixed" => return Ok(None),
-        other => {
-            left_out.push(format!("the joint `{name}` is `{other}`, which has not one degree of freedom"));
-            return Ok(None);
-        }
-    };
+    let Some(moves) = Moves::of(node, &name, left_out) else { return Ok(None) };
     let axis = child(node, "axis").ok_or_else(|| RobotError::at(node, "has no <axis>"))?;
     let xyz = child(axis, "xyz");
     let direction = xyz
@@ -190,9 +182,7 @@ fn joint(
     };
     let of =
         |element: &str, key: &str| child(axis, element).map_or(Ok(None), |found| text_number(found, key));
-    let limits =
-        [("effort", "torque"), ("velocity", "speed"), ("lower", "lower end"), ("upper", "upper end")];
-    let limits = limits.iter().map(|(key, what)| {
+    let limits = LIMITS.iter().map(|(key, what)| {
         let stated: Option<f64> = of("limit", key)?;
         Ok(stated.filter(|value| value.abs() < 1e15 && *value != -1.0).map(|value| format!("{what} {value}")))
     });

@@ -32,6 +32,26 @@ pub(crate) enum Moves {
     Slides,
 }
 
+impl Moves {
+    /// How a joint of URDF or SDF moves, by its attribute `type`; `None` for one that does not, or not with one degree of freedom, which is noted.
+    pub(crate) fn of(joint: roxmltree::Node<'_, '_>, name: &str, left_out: &mut Vec<String>) -> Option<Self> {
+        match joint.attribute("type").unwrap_or("") {
+            "revolute" | "continuous" => Some(Self::Turns),
+            "prismatic" => Some(Self::Slides),
+            "fixed" => None,
+            other => {
+                left_out
+                    .push(format!("the joint `{name}` is `{other}`, which has not one degree of freedom"));
+                None
+            }
+        }
+    }
+}
+
+/// Limits of a joint in URDF and SDF, and what they are.
+pub(crate) const LIMITS: [(&str, &str); 4] =
+    [("effort", "torque"), ("velocity", "speed"), ("lower", "lower end"), ("upper", "upper end")];
+
 /// A joint with one degree of freedom.
 #[derive(Debug, Clone)]
 pub(crate) struct Joint {

@@ -7,7 +7,7 @@ use roxmltree::Node;
 
 use crate::error::{Result, RobotError};
 use crate::mass::{Mass, symmetric};
-use crate::tree::{Actuator, Body, Joint, Moves, Robot, Syntax};
+use crate::tree::{Actuator, Body, Joint, LIMITS, Moves, Robot, Syntax};
 use crate::xml::{child, name_of, number, pose, vector};
 
 /// Standard gravity, m/s²; a URDF states none.
@@ -117,24 +117,14 @@ impl Open<'_, '_> {
 
 fn joint(node: Node<'_, '_>, body: usize, left_out: &mut Vec<String>) -> Result<Option<Joint>> {
     let name = name_of(node)?;
-    let moves = match node.attribute("type").unwrap_or("") {
-        "revolute" | "continuous" => Moves::Turns,
-        "prismatic" => Moves::Slides,
-        "fixed" => return Ok(None),
-        other => {
-            left_out.push(format!("the joint `{name}` is `{other}`, which has not one degree of freedom"));
-            return Ok(None);
-        }
-    };
+    let Some(moves) = Moves::of(node, &name, left_out) else { return Ok(None) };
     let axis = child(node, "axis").map_or(Ok(None), |axis| vector(axis, "xyz"))?.unwrap_or_else(Vector3::x);
     let of = |element: &str, key: &str| child(node, element).map_or(Ok(None), |found| number(found, key));
     if let Some(mimic) = child(node, "mimic") {
         left_out.push(format!("the joint `{name}` follows `{}`", mimic.attribute("joint").unwrap_or("?")));
     }
     let limits =
-        [("effort", "torque"), ("velocity", "speed"), ("lower", "lower end"), ("upper", "upper end")];
-    let limits =
-        limits.iter().map(|(key, what)| Ok(of("limit", key)?.map(|value| format!("{what} {value}"))));
+        LIMITS.iter().map(|(key, what)| Ok(of("limit", key)?.map(|value| format!("{what} {value}"))));
     let limits: Vec<Option<String>> = limits.collect::<Result<_>>()?;
     Ok(Some(Joint {
         axis: axis.try_normalize(1e-9).ok_or_else(|| RobotError::at(node, "its axis has no length"))?,

@@ -83,10 +83,7 @@ pub(crate) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
             "holds a header of LabVIEW and no values behind it; record again",
         ));
     }
-    for channel in channels {
-        let group = channel.group();
-        source.groups.push(group);
-    }
+    source.groups.extend(channels.into_iter().map(Channel::group));
     let mut source = source.with_shared_clocks().tidy();
     source.keep(wanted);
     Ok(source)
