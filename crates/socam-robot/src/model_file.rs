@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use socam_model::effects::{CONSTANT_LOAD, COULOMB_FRICTION, GRAVITY_UNBALANCE};
+
 use crate::joint::{JointModel, Sourced};
 
 /// A value may be this many times larger or smaller than the description says.
@@ -90,18 +92,20 @@ impl JointModel {
         if self.friction.is_some() {
             let _ = writeln!(
                 text,
-                "\n[[effects]]\neffect = \"coulomb_friction\"\nat = {bearing}\nparameters = {{ torque = \"friction\" }}"
+                "\n[[effects]]\neffect = {}\nat = {bearing}\nparameters = {{ torque = \"friction\" }}",
+                quoted(COULOMB_FRICTION.id)
             );
         }
         if self.weight.is_some() {
             let (effect, own) = if self.turns {
-                ("gravity_unbalance", "torque = \"weight\", phase = \"weight_phase\"")
+                (GRAVITY_UNBALANCE, "torque = \"weight\", phase = \"weight_phase\"")
             } else {
-                ("constant_load", "torque = \"weight\"")
+                (CONSTANT_LOAD, "torque = \"weight\"")
             };
             let _ = writeln!(
                 text,
-                "\n[[effects]]\neffect = \"{effect}\"\nat = {}\nparameters = {{ {own} }}",
+                "\n[[effects]]\neffect = {}\nat = {}\nparameters = {{ {own} }}",
+                quoted(effect.id),
                 quoted(&name)
             );
         }

@@ -6,7 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::ValueEnum;
 use socam_export::{Provenance, Target};
-use socam_model::Model;
+use socam_model::{
+    Model,
+    effects::{CONSTANT_LOAD, COULOMB_FRICTION, GRAVITY_UNBALANCE},
+};
 
 use super::Outcome;
 use crate::output::{self, WrongArguments};
@@ -144,7 +147,7 @@ fn corrections(model: &Model) -> anyhow::Result<(socam_robot::Corrections, Vec<S
     let value = |index: usize| model.parameters[index].value;
     let sum = |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum());
     let damping = model.bearings.iter().filter_map(|bearing| bearing.damping).map(value).collect();
-    let friction = model.effects.iter().filter(|used| used.effect.id == "coulomb_friction");
+    let friction = model.effects.iter().filter(|used| used.effect.id == COULOMB_FRICTION.id);
     let stiffness = model.springs.iter().map(|spring| value(spring.stiffness)).collect();
     let corrections = socam_robot::Corrections {
         inertia: node.inertia.map(value),
@@ -153,7 +156,8 @@ fn corrections(model: &Model) -> anyhow::Result<(socam_robot::Corrections, Vec<S
         stiffness: sum(stiffness),
     };
     // Weight is that of the bodies.
-    let is_held = |id: &str| matches!(id, "coulomb_friction" | "gravity_unbalance" | "constant_load");
+    let is_held =
+        |id: &str| [COULOMB_FRICTION, GRAVITY_UNBALANCE, CONSTANT_LOAD].iter().any(|held| held.id == id);
     let others = model.effects.iter().filter(|used| !is_held(used.effect.id));
     let others = others.map(|used| format!("{} at {}", used.effect.name, used.place)).collect();
     Ok((corrections, others))

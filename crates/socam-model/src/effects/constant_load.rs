@@ -9,7 +9,7 @@ use super::{
 };
 
 /// T = -torque: a positive value opposes positive motion.
-pub(super) const EFFECT: Effect = Effect {
+pub const EFFECT: Effect = Effect {
     id: "constant_load",
     name: "constant load",
     acts_at: ActsAt::Node,

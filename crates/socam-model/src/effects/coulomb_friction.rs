@@ -14,7 +14,7 @@ use super::{
 /// The hyperbolic tangent approximates the jump at zero speed. The transition speed is a numerical width,
 /// not a property of the bearing, and must be small compared with the speeds of the recording. Below it the
 /// law creeps where a real contact sticks.
-pub(super) const EFFECT: Effect = Effect {
+pub const EFFECT: Effect = Effect {
     id: "coulomb_friction",
     name: "Coulomb friction",
     acts_at: ActsAt::Bearing,

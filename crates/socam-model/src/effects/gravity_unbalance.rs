@@ -9,7 +9,7 @@ use super::{
 };
 
 /// T = -torque sin(angle + phase), the angle counted from the start of the recording.
-pub(super) const EFFECT: Effect = Effect {
+pub const EFFECT: Effect = Effect {
     id: "gravity_unbalance",
     name: "gravity unbalance",
     acts_at: ActsAt::Node,
