@@ -39,8 +39,8 @@ pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, Ide
     let cutoff = path.unexamined.as_ref().zip(cutoff);
     let unfinished = cutoff.map(|(rest, how)| unfinished::sentence(how, rest, !findings.is_empty()));
     let is_finished = unfinished.is_none();
-    // A search that was cut off may not say that nothing explains a misfit.
-    if findings.is_empty() && is_finished {
+    // A search that was cut off may not say that nothing explains a misfit, nor may ordinary imperfections alone hide one.
+    if !findings.iter().any(Finding::counts) && is_finished {
         findings.extend(contradiction(path, floor));
     }
     let verdict = if findings.iter().any(|finding| finding.effect != UNEXPLAINED && finding.counts()) {

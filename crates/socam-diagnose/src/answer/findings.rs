@@ -1,7 +1,7 @@
 //! Findings: one for each effect at a place, and one for the nonparametric term.
 
 use socam_identify::{Identification, IdentifyError};
-use socam_model::effects::FittedValues;
+use socam_model::effects::{FittedValues, USUAL_CHANGE};
 
 use super::{inputs::Inputs, rivals::rivals};
 use crate::{
@@ -26,13 +26,14 @@ pub(super) fn findings(inputs: &Inputs<'_>) -> Result<Vec<Finding>, IdentifyErro
         let own = region::region(context, without, Some(&path.last), &finding.location, floor)?;
         finding.region = Region { text: format!("{}; {}", finding.region.text, own.text), ..own };
         let change = materiality::largest_change(context, path, index)?;
+        let is_small = change.as_ref().is_none_or(|change| change.share <= USUAL_CHANGE);
         finding.evidence = FindingEvidence {
             chi2_gain: Some((without.deviance() - path.last.deviance()).max(0.0)),
             holdout_gain_percent: proof.and_then(|proof| proof.gain_percent(index)),
             material: change.as_ref().map(|change| change.share > context.options.tolerance),
             moves_percent: change.as_ref().map(|change| 100.0 * change.share),
             moves_channel: change.map(|change| change.channel),
-            ordinary: ordinary(path, index).map(str::to_owned),
+            ordinary: ordinary(path, index).filter(|_| is_small).map(str::to_owned),
             ..finding.evidence
         };
         findings.push(finding);

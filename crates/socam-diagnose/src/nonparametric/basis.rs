@@ -13,28 +13,31 @@ const TRANSITION: &str = "transition_speed";
 /// Bounds of a parameter without bounds.
 pub(super) const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
-/// Parameters of a raised cosine: its height, its centre, and the distance from the centre beyond which it is zero. Raised cosines whose
-/// centres are one width apart add up to any smooth curve.
+/// Parameters of a raised cosine: its height, its centre, and the distances below and above the centre beyond which it is zero. Where each
+/// reaches from the centre before it to the one behind it, raised cosines add up to any smooth curve.
 const BASIS: &[EffectParameter] = &[
     EffectParameter { name: "height", kind: QuantityKind::Gain, default: None, bounds: ANY },
     EffectParameter { name: "centre", kind: QuantityKind::Gain, default: None, bounds: ANY },
-    EffectParameter { name: "width", kind: QuantityKind::Gain, default: None, bounds: ANY },
+    EffectParameter { name: "below", kind: QuantityKind::Gain, default: None, bounds: ANY },
+    EffectParameter { name: "above", kind: QuantityKind::Gain, default: None, bounds: ANY },
 ];
 
 /// Parameters of a friction term: those of its basis function, and the speed within which it changes its sign.
 const FRICTION: &[EffectParameter] =
-    &[BASIS[0], BASIS[1], BASIS[2], EffectParameter { name: TRANSITION, ..BASIS[2] }];
+    &[BASIS[0], BASIS[1], BASIS[2], BASIS[3], EffectParameter { name: TRANSITION, ..BASIS[2] }];
 
 /// A raised cosine of the first law input.
 fn raised_cosine(law_inputs: &[f64], p: &[f64]) -> Response {
-    let distance = (law_inputs[0] - p[1]) / p[2];
+    let from_centre = law_inputs[0] - p[1];
+    let width = if from_centre < 0.0 { p[2] } else { p[3] };
+    let distance = from_centre / width;
     let (mut derivatives, mut by_parameter) = ([0.0; MAX_LAW_INPUTS], [0.0; MAX_PARAMETERS]);
     if distance.abs() >= 1.0 {
         return Response { torque: 0.0, derivatives, by_parameter };
     }
     let (sin, cos) = (std::f64::consts::PI * distance).sin_cos();
     let value = 0.5 * (1.0 + cos);
-    derivatives[0] = -0.5 * std::f64::consts::PI * sin / p[2] * p[0];
+    derivatives[0] = -0.5 * std::f64::consts::PI * sin / width * p[0];
     by_parameter[0] = value;
     Response { torque: p[0] * value, derivatives, by_parameter }
 }
@@ -73,9 +76,10 @@ fn resisting_harmonic(law_inputs: &[f64], p: &[f64]) -> Response {
 /// Friction against the first law input (the speed), whose size is a basis function of the second one (time or angle).
 fn friction(law_inputs: &[f64], p: &[f64], basis: fn(&[f64], &[f64]) -> Response) -> Response {
     let Response { torque, derivatives: by_other, by_parameter } = basis(&law_inputs[1..], p);
-    let sign = (law_inputs[0] / p[3]).tanh();
+    let transition = p[4];
+    let sign = (law_inputs[0] / transition).tanh();
     let mut derivatives = [0.0; MAX_LAW_INPUTS];
-    derivatives[..2].copy_from_slice(&[-torque * (1.0 - sign * sign) / p[3], -sign * by_other[0]]);
+    derivatives[..2].copy_from_slice(&[-torque * (1.0 - sign * sign) / transition, -sign * by_other[0]]);
     Response {
         torque: -sign * torque,
         derivatives,
@@ -105,7 +109,7 @@ const fn effect(acts_at: ActsAt, laws: &'static [Law]) -> Effect {
 }
 
 const fn friction_law(law_inputs: &'static [LawInput], evaluate: fn(&[f64], &[f64]) -> Response) -> Law {
-    Law { transition: |parameters| parameters[3], ..law(law_inputs, Acts::Torque, evaluate) }
+    Law { transition: |parameters| parameters[4], ..law(law_inputs, Acts::Torque, evaluate) }
 }
 
 const fn law(law_inputs: &'static [LawInput], acts: Acts, evaluate: fn(&[f64], &[f64]) -> Response) -> Law {

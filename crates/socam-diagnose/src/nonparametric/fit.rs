@@ -26,8 +26,8 @@ fn with_basis(model: &Model, term: &NonparametricTerm) -> Result<(Model, Vec<usi
     let mut grown = model.clone();
     let mut heights = Vec::new();
     let transition = transition(model.motion);
-    for [first, second] in term.basis() {
-        let all = [0.0, first, second, transition];
+    for [first, second, third] in term.basis() {
+        let all = [0.0, first, second, third, transition];
         grown = grown.with_law(term.effect, &term.place, &all[..term.effect.parameters.len()])?;
         let height = grown.effects.last().map(|used| used.parameters[0]);
         heights.extend(height);
@@ -62,15 +62,27 @@ pub(super) fn scored_batch(
     Ok(acting.into_iter().zip(scores.unwrap_or_default()).collect())
 }
 
-/// A term fitted together with the last model. `None` where the term cannot act or the prediction overflows.
+/// A term fitted together with the last model, from heights of zero and, where an effect was chosen at its place whose law it can follow, from
+/// that law. `None` where the term cannot act or the prediction overflows.
 pub(super) fn fitted(
     context: &Context<'_>,
     path: &Path,
     scored: &ScoredTerm,
+    named: Option<&Choice>,
 ) -> Result<Option<Unexplained>, IdentifyError> {
     let (last, term, std) = (&path.last, &scored.term, &scored.score.std);
     let begun = (&last.model, &*last.at.values);
-    let Some((fitted, heights)) = fitted_with_term(context, begun, &path.noise, (term, std))? else {
+    let from_zero = fitted_with_term(context, begun, &path.noise, (term, std), &[])?;
+    let law = named.and_then(|named| Some((&named.fitted, term.heights_of(named)?)));
+    let from_law = match &law {
+        Some((fitted, heights)) => {
+            let begun = (&fitted.model, &*fitted.at.values);
+            fitted_with_term(context, begun, &path.noise, (term, std), heights)?
+        }
+        None => None,
+    };
+    let both = [from_zero, from_law].into_iter().flatten();
+    let Some((fitted, heights)) = both.min_by(|a, b| a.0.deviance().total_cmp(&b.0.deviance())) else {
         return Ok(None);
     };
     let excess = (last.deviance() * path.noise.excess()).max(1.0);
@@ -114,7 +126,7 @@ impl Unexplained {
         (model, values): (&Model, &[f64]),
         noise: &NoiseModel,
     ) -> Result<Option<FittedModel>, IdentifyError> {
-        let fitted = fitted_with_term(context, (model, values), noise, (&self.term, &self.std))?;
+        let fitted = fitted_with_term(context, (model, values), noise, (&self.term, &self.std), &[])?;
         Ok(fitted.map(|(fitted, _)| fitted))
     }
 
@@ -127,23 +139,26 @@ impl Unexplained {
         let found = scored_batch(context, path, std::slice::from_ref(&self.term))?;
         let Some((term, score)) = found.into_iter().next() else { return Ok(None) };
         let scored = ScoredTerm { term, score, p_value: self.p_value };
-        Ok(fitted(context, path, &scored)?.filter(|curve| curve.gain.log_score > curve.gain.std))
+        Ok(fitted(context, path, &scored, None)?.filter(|curve| curve.gain.log_score > curve.gain.std))
     }
 }
 
-/// A model with a term at its fit, and the fitted heights of its basis functions; `None` also where the search is ended.
+/// A model with a term at its fit, and the fitted heights of its basis functions, which begin at `begun`, or at zero where that is empty; `None`
+/// also where the search is ended.
 fn fitted_with_term(
     context: &Context<'_>,
     (model, values): (&Model, &[f64]),
     noise: &NoiseModel,
     (term, std): (&NonparametricTerm, &[f64]),
+    begun: &[f64],
 ) -> Result<Option<(FittedModel, Vec<f64>)>, IdentifyError> {
     let Ok((mut grown, heights)) = with_basis(model, term) else { return Ok(None) };
     // A height that the recordings do not determine stays zero.
     for (height, std) in heights.iter().zip(std) {
         grown.parameters[*height].fixed = !std.is_finite();
     }
-    let values = carried_over((model, values), &grown);
+    let mut values = carried_over((model, values), &grown);
+    heights.iter().zip(begun).for_each(|(height, begun)| values[*height] = *begun);
     let problem = context.tentative(&grown)?;
     let at = comparison::descend(&problem, noise, &values, None, (comparison::COARSE, ITERATIONS))?;
     let Some(at) = at.filter(|_| !context.stops()) else { return Ok(None) };

@@ -65,14 +65,23 @@ pub(crate) fn competing(
             && first.term.is_by_turn()
             && *place == first.term.place
     });
-    if is_one_of_its_orders
-        || named.is_some_and(|named| BEYOND_SCORE * first.score.gain < named.deviance_reduction)
-    {
+    if is_one_of_its_orders {
         return Ok(None);
     }
-    let curve = fit::fitted(context, path, first)?
-        .filter(|curve| is_possible(&curve.curve, largest_height(path, &first.term)));
-    let Some(curve) = curve else { return Ok(None) };
+    let falls_short = |one: &ScoredTerm| {
+        named.is_some_and(|named| BEYOND_SCORE * one.score.gain < named.deviance_reduction)
+    };
+    // In the place of the chosen effect's law, a curve begins at that law, and its score at zero does not count.
+    let freed_law = named.and_then(|named| scored.iter().find(|one| one.term.heights_of(named).is_some()));
+    let likeliest = Some(first).filter(|first| !falls_short(first));
+    let is_freed_law = |one: &&ScoredTerm| freed_law.is_some_and(|law| std::ptr::eq(*one, law));
+    let mut curves = Vec::new();
+    for one in likeliest.filter(|one| !is_freed_law(one)).into_iter().chain(freed_law) {
+        let curve = fit::fitted(context, path, one, named)?;
+        curves.extend(curve.filter(|curve| is_possible(&curve.curve, largest_height(path, &one.term))));
+    }
+    let best = curves.into_iter().max_by(|a, b| a.gain.log_score.total_cmp(&b.gain.log_score));
+    let Some(curve) = best else { return Ok(None) };
     if curve.gain.log_score <= curve.gain.std {
         return Ok(None);
     }

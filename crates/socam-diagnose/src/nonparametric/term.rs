@@ -4,16 +4,20 @@ use socam_identify::comparison::CandidateScore;
 use socam_model::{Model, Motion, effects::Effect};
 
 use super::basis::{
-    BEARING_ANGLE, BEARING_FRICTION_BY_ANGLE, BEARING_FRICTION_BY_TIME, CHANNEL_GAIN, SPRING_STIFFNESS,
+    BEARING_ANGLE, BEARING_FRICTION_BY_ANGLE, BEARING_FRICTION_BY_TIME, BEARING_SPEED, CHANNEL_GAIN,
+    SPRING_STIFFNESS,
 };
 use crate::{
+    choice::Choice,
     context::FittedModel,
     criterion::Difference,
     document::{Curve, Over},
 };
 
-/// Number of raised cosines of a curve over an interval.
-const POINTS: usize = 9;
+/// Centres of the raised cosines of a curve, as shares of the distance from the middle of its range to its end: evenly spaced, and over the
+/// speed of a bearing closer to standstill, where laws of friction bend.
+const EVEN: &[f64] = &[-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
+const CLOSER_TO_REST: &[f64] = &[-1.0, -0.5, -0.25, -0.125, -0.0625, 0.0, 0.0625, 0.125, 0.25, 0.5, 1.0];
 /// Number of orders of a curve over one turn.
 const ORDERS: usize = 4;
 /// Number of intervals at which a curve over one turn is drawn.
@@ -73,17 +77,49 @@ pub(crate) struct Unexplained {
 }
 
 impl NonparametricTerm {
-    /// Second and third parameter of each basis function: centre and width of a raised cosine, or order and phase of a harmonic.
-    pub(super) fn basis(&self) -> Vec<[f64; 2]> {
+    /// Parameters behind the height of each basis function: centre and widths below and above it of a raised cosine, or order and phase of a
+    /// harmonic.
+    pub(super) fn basis(&self) -> Vec<[f64; 3]> {
         if self.is_by_turn() {
             let quarter = std::f64::consts::FRAC_PI_2;
             // Friction over a turn also has a mean.
-            let mean = (self.action() == Action::Friction).then_some([0.0, quarter]);
-            let waves = (1..=ORDERS).flat_map(|order| [[order as f64, 0.0], [order as f64, quarter]]);
+            let mean = (self.action() == Action::Friction).then_some([0.0, quarter, 0.0]);
+            let waves =
+                (1..=ORDERS).flat_map(|order| [[order as f64, 0.0, 0.0], [order as f64, quarter, 0.0]]);
             return mean.into_iter().chain(waves).collect();
         }
-        let width = (self.range.1 - self.range.0) / (POINTS - 1) as f64;
-        (0..POINTS).map(|point| [self.range.0 + width * point as f64, width]).collect()
+        let shares = if self.is_any_of(&[&BEARING_SPEED]) { CLOSER_TO_REST } else { EVEN };
+        let (middle, half) = (0.5 * (self.range.0 + self.range.1), 0.5 * (self.range.1 - self.range.0));
+        let centres: Vec<f64> = shares.iter().map(|share| middle + half * share).collect();
+        let last = centres.len() - 1;
+        let width_to = |point: usize, other: usize| (centres[point] - centres[other]).abs();
+        let widths = |point: usize| match point {
+            0 => [width_to(0, 1); 2],
+            end if end == last => [width_to(last, last - 1); 2],
+            point => [width_to(point, point - 1), width_to(point, point + 1)],
+        };
+        (0..=last)
+            .map(|point| [&[centres[point]][..], &widths(point)].concat())
+            .map(|all| [all[0], all[1], all[2]])
+            .collect()
+    }
+
+    /// Heights with which the term follows the law of an effect that was fitted at its place; `None` where that law does not depend on the
+    /// term's quantity alone.
+    pub(super) fn heights_of(&self, named: &Choice) -> Option<Vec<f64>> {
+        let FittedModel { model, at, .. } = &named.fitted;
+        let used = model.effects.last().filter(|used| used.place == self.place)?;
+        let ([law], [own]) = (used.effect.laws(), self.effect.laws()) else { return None };
+        let is_alike = law.law_inputs == own.law_inputs && law.acts == own.acts;
+        if !is_alike || used.effect.borrows.is_some() || self.is_by_turn() {
+            return None;
+        }
+        let parameters: Vec<f64> = used.parameters.iter().map(|index| at.values[*index]).collect();
+        let height = |[centre, below, above]: [f64; 3]| {
+            let of_one = (own.evaluate)(&[centre], &[1.0, centre, below, above]).torque;
+            (law.evaluate)(&[centre], &parameters).torque / of_one
+        };
+        Some(self.basis().into_iter().map(height).collect())
     }
 
     /// Whether no effect of the catalogue resembles the term, so that no candidate would indicate it: a stiffness that changes with time.

@@ -73,4 +73,4 @@ pub use relations::{Condition, Equivalent, FittedValues, Replaces};
 pub(crate) use rig::rigid_stiffness;
 pub use rig::{Rig, RigBearing, RigChannel, RigGear, RigNode, RigShaft, RigSpring, Values};
 pub(crate) use servo_limit::SERVO_LIMIT;
-pub use usual::Usual;
+pub use usual::{USUAL_CHANGE, Usual};

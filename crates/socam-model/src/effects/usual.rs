@@ -6,6 +6,10 @@ use super::{relations::FittedValues, rig::Rig};
 /// Why fitted values of an effect at a place are usual; `None` where they are not.
 pub type Usual = fn(&Rig, &str, &FittedValues<'_>) -> Option<&'static str>;
 
+/// Largest change of a channel's prediction that an ordinary imperfection makes, as a share of the channel's standard deviation. Frictions and
+/// delays of complete benches make up to 0.05.
+pub const USUAL_CHANGE: f64 = 0.1;
+
 /// Samples by which a channel may be late or slow.
 const SAMPLES: f64 = 2.0;
 /// Share of the largest torque at a bearing that is friction.
