@@ -10,6 +10,7 @@ fn a_command_that_is_not_built_names_its_feature() {
         ("export-model", "exchange"),
         ("challenge", "challenge"),
         ("thesis", "thesis"),
+        ("mcp", "agents"),
     ] {
         let ran = run([command, "--json"]);
         assert!(ran.refusal(1).contains(&format!("feature `{feature}`")), "{ran:?}");

@@ -46,6 +46,8 @@ mod lab_jobs;
 #[cfg(not(feature = "full"))]
 mod lean;
 #[cfg(feature = "full")]
+mod mcp;
+#[cfg(feature = "full")]
 mod readers;
 mod record;
 mod watch;

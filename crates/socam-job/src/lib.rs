@@ -41,5 +41,5 @@ pub use record::Record;
 pub use response::{Response, Responses, Signals};
 pub use rules::Start;
 pub use simulate::{ReplayDocument, Replayed, Simulate, VirtualBench};
-pub use tasks::described;
+pub use tasks::{described, words};
 pub use watch::{Watch, Watching};

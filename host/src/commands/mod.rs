@@ -23,6 +23,8 @@ mod import;
 #[cfg(feature = "exchange")]
 mod import_model;
 mod info;
+#[cfg(feature = "agents")]
+mod mcp;
 mod model;
 mod new;
 mod record;
@@ -117,7 +119,8 @@ impl From<Outcome> for ExitCode {
     feature = "fleet",
     feature = "exchange",
     feature = "challenge",
-    feature = "thesis"
+    feature = "thesis",
+    feature = "agents"
 )))]
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
@@ -132,7 +135,8 @@ pub(crate) struct NotBuilt {
     feature = "fleet",
     feature = "exchange",
     feature = "challenge",
-    feature = "thesis"
+    feature = "thesis",
+    feature = "agents"
 )))]
 pub(crate) fn not_built(what: &str, feature: &str) -> anyhow::Error {
     anyhow::anyhow!(
@@ -195,6 +199,7 @@ commands! {
     Demo => demo,
     Record => record,
     Watch => watch,
+    Mcp => mcp if "agents",
     Recover => recover,
     Simulate => simulate,
     Challenge => challenge if "challenge",
