@@ -1,5 +1,7 @@
 //! WPILOG of WPILib and AdvantageKit (`.wpilog`): entries with times of their own (WPILib, "WPILib Data Log File Format Specification", version 1.0).
 
+mod units;
+
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -8,6 +10,7 @@ use socam_recording::Warning;
 use super::stream::{Fields, Problem, Stream, left_aside};
 use crate::error::{ImportError, Result};
 use crate::source::{Group, Signal, Source, Wanted};
+use units::unit;
 
 /// Longest record that is read, bytes.
 const LONGEST_RECORD: u64 = 1 << 26;
@@ -17,24 +20,6 @@ const TIME: &str = "timestamp";
 const LONGEST_ARRAY: usize = 64;
 /// Entries with this beginning hold the state of SysId's tests: `quasistatic-forward`, or `none` between them.
 const SYSID_STATE: &str = "sysid-test-state";
-
-/// Names by which WPILib's library of units calls them, in the metadata of SysId's entries.
-const UNITS: [(&str, &str); 14] = [
-    ("Volt", "V"),
-    ("Amp", "A"),
-    ("Rotation", "rot"),
-    ("Rotation per Second", "rot/s"),
-    ("Radian", "rad"),
-    ("Radian per Second", "rad/s"),
-    ("Degree", "deg"),
-    ("Degree per Second", "deg/s"),
-    ("Meter", "m"),
-    ("Meter per Second", "m/s"),
-    ("Foot", "ft"),
-    ("Foot per Second", "ft/s"),
-    ("Inch", "in"),
-    ("Inch per Second", "in/s"),
-];
 
 /// What a number is written as.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -237,19 +222,6 @@ impl Log<'_> {
         source.groups.retain(|group| group.signals.len() > 1);
         source
     }
-}
-
-/// The unit in an entry's metadata: JSON with `unit`, or what SysId writes.
-fn unit(metadata: &str) -> Option<String> {
-    let metadata = metadata.trim();
-    let stated = if metadata.starts_with('{') {
-        let value: serde_json::Value = serde_json::from_str(metadata).ok()?;
-        value.get("unit").or_else(|| value.get("units"))?.as_str()?.to_owned()
-    } else {
-        metadata.to_owned()
-    };
-    let known = UNITS.iter().find(|(name, _)| name.eq_ignore_ascii_case(&stated));
-    Some(known.map_or(stated, |(_, unit)| (*unit).to_owned())).filter(|unit| !unit.is_empty())
 }
 
 impl Entry {

@@ -15,6 +15,8 @@ use crate::error::{ImportError, Result};
 const LONGEST: u64 = 1 << 26;
 /// Bit that tells extended identifiers from short ones of the same number.
 pub(super) const EXTENDED: u32 = 1 << 31;
+/// Most signals of a frame, those under all values of its multiplexers: more than anybody describes.
+const MOST_SIGNALS: usize = 1024;
 /// Multiplexers that choose multiplexers that choose ...
 const DEEPEST: usize = 8;
 
@@ -28,6 +30,8 @@ pub(super) struct Frame {
     pub(super) signals: Vec<Signal>,
     /// Signals that stand in the same frames.
     pub(super) sets: Vec<Set>,
+    /// Number of signals that are not read.
+    pub(super) left_aside: usize,
 }
 
 pub(super) struct Signal {
@@ -115,22 +119,13 @@ fn short(error: &str) -> String {
 fn frame(stated: &Stated<'_>, message: &Message) -> Frame {
     // Places that no frame has are dropped with their signals.
     let usable = |signal: &&can_dbc::Signal| (1..=64).contains(&signal.size) && signal.start_bit < 8 * 64;
+    let signals: Vec<&can_dbc::Signal> = message.signals.iter().filter(usable).take(MOST_SIGNALS).collect();
     let chosen = Chosen {
         stated,
         id: message.id,
-        signals: message.signals.iter().filter(usable).collect(),
-        places: message
-            .signals
-            .iter()
-            .filter(usable)
-            .zip(0..)
-            .map(|(signal, at)| (signal.name.as_str(), at))
-            .collect(),
-        first: message
-            .signals
-            .iter()
-            .filter(usable)
-            .position(|signal| signal.multiplexer_indicator == MultiplexIndicator::Multiplexor),
+        places: signals.iter().zip(0..).map(|(signal, at)| (signal.name.as_str(), at)).collect(),
+        first: signals.iter().position(|one| one.multiplexer_indicator == MultiplexIndicator::Multiplexor),
+        signals,
     };
     let mut places: BTreeMap<Vec<Condition>, usize> = BTreeMap::new();
     let mut sets: Vec<Set> = Vec::new();
@@ -144,7 +139,7 @@ fn frame(stated: &Stated<'_>, message: &Message) -> Frame {
         sets[place].signals.push(index);
     }
     let signals = chosen.signals.iter().map(|signal| self::signal(stated, message.id, signal)).collect();
-    Frame { signals, sets }
+    Frame { signals, sets, left_aside: message.signals.len() - chosen.signals.len() }
 }
 
 fn signal(stated: &Stated<'_>, id: MessageId, signal: &can_dbc::Signal) -> Signal {

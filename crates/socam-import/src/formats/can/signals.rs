@@ -105,6 +105,13 @@ impl<'d> Signals<'d> {
         });
         let mut found = Vec::new();
         for (bus, known, sets) in frames {
+            if known.left_aside > 0 {
+                let name = known.sets.first().map_or("", |set| &set.name);
+                notes.push(Warning::Note(format!(
+                    "{} signals of `{name}` have no place in a frame, or are too many, and are left aside",
+                    known.left_aside
+                )));
+            }
             for (set, rows) in known.sets.iter().zip(sets) {
                 let Some(rows) = rows else { continue };
                 let named = |(index, values): (usize, Vec<f64>)| {
