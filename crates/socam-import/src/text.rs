@@ -13,6 +13,7 @@ mod trace;
 pub(crate) use labview::read as read_labview;
 pub use layout::TextLayout;
 pub(crate) use layout::sniff;
+#[cfg(feature = "formats-can")]
 pub(crate) use lines::{Lines, encoding};
 pub(crate) use read::read;
 pub(crate) use scope::{is_scope, read as read_scope};
