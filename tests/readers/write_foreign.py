@@ -5,8 +5,12 @@ The truth is truth.csv: t_s, motor_speed_rad_s, torque_Nm. Files hold rpm and mN
 
 import json
 import pathlib
+import shutil
+import struct
 import sys
 
+import can
+import cantools
 import h5py
 import numpy as np
 import pyarrow as pa
@@ -19,6 +23,12 @@ from mcap.writer import Writer
 from mcap_protobuf.writer import Writer as ProtobufWriter
 from mcap_ros2.writer import Writer as RosWriter
 from nptdms import ChannelObject, TdmsWriter
+from pyulog import ULog
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as BagWriter
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from wpiutil import DataLogWriter
+from wpiutil.log import DoubleLogEntry
 
 folder = pathlib.Path(sys.argv[1])
 ROWS = 2000
@@ -124,6 +134,97 @@ def protobuf():
             writer.write_message("/state", state, log_time=stamp + 1_700_000, publish_time=stamp)
 
 
+def wpilog():
+    log = DataLogWriter(str(folder / "run.wpilog"))
+    entries = [DoubleLogEntry(log, "/Drive/motor_speed_rpm"), DoubleLogEntry(log, "/Drive/torque", '{"unit": "mN m"}')]
+    for k in range(ROWS):
+        for entry, values in zip(entries, (rpm, mNm)):
+            # A time of zero would mean now.
+            entry.append(values[k], 1_000_000 + 1000 * k)
+    log.stop()
+
+
+def ulog():
+    """pyulog writes what it has read: the first file is made by hand."""
+
+    def message(kind, payload):
+        return struct.pack("<HB", len(payload), ord(kind)) + payload
+
+    first = folder / "first.ulg"
+    with open(first, "wb") as file:
+        file.write(b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0))
+        file.write(message("B", bytes(40)))
+        file.write(message("F", b"axis:double motor_speed_rpm;uint8_t load;uint8_t[7] _padding0;"))
+        file.write(message("F", b"drive:uint64_t timestamp;axis axis;double torque_mNm;"))
+        file.write(message("A", struct.pack("<BH", 0, 3) + b"drive"))
+        for k in range(ROWS):
+            file.write(message("D", struct.pack("<HQdB7xd", 3, 1000 * k, rpm[k], 1, mNm[k])))
+    ULog(str(first)).write_ulog(str(folder / "run.ulg"))
+
+
+def bus():
+    """Frames of CAN FD with two numbers of 64 bits, and short frames that cantools decodes."""
+    fd = cantools.database.load_string(
+        """VERSION ""
+BU_: Bench
+BO_ 256 Drive: 16 Bench
+ SG_ motor_speed : 0|64@1- (1,0) [0|0] "rpm" Bench
+ SG_ torque : 71|64@0- (1,0) [0|0] "mNm" Bench
+SIG_VALTYPE_ 256 motor_speed : 2;
+SIG_VALTYPE_ 256 torque : 2;
+"""
+    )
+    (folder / "can").mkdir()
+    cantools.database.dump_file(fd, folder / "can" / "bench.dbc")
+    writers = {name: can.Logger(folder / "can" / name) for name in ("run.log", "run.asc", "run.blf")}
+    for k in range(ROWS):
+        data = fd.encode_message("Drive", {"motor_speed": rpm[k], "torque": mNm[k]})
+        # Small, so that python-can's seconds keep their digits.
+        stamp = 1.0 + 1e-3 * k
+        frame = can.Message(timestamp=stamp, arbitration_id=256, is_extended_id=False, is_fd=True, data=data, channel=0)
+        for writer in writers.values():
+            writer(frame)
+    for writer in writers.values():
+        writer.stop()
+    # First bit (the last one where the first byte counts least) and number of bits.
+    intel, motorola = [(0, 64), (3, 13), (20, 1), (9, 33), (55, 8)], [(7, 64), (3, 13), (20, 1), (14, 33), (55, 8)]
+    places = [(place, order, sign) for order, places in ((1, intel), (0, motorola)) for place in places for sign in "+-"]
+    lines = [
+        f' SG_ s{at} : {start}|{bits}@{order}{sign} ({0.25 * (at + 1)},{at - 3}) [0|0] "V" Bench'
+        for at, ((start, bits), order, sign) in enumerate(places)
+    ]
+    # Each in a message of its own, so that signals may share bits.
+    text = 'VERSION ""\nBU_: Bench\n' + "".join(f"BO_ {at + 1} M{at}: 8 Bench\n{line}\n\n" for at, line in enumerate(lines))
+    (folder / "signals").mkdir()
+    (folder / "signals" / "signals.dbc").write_text(text)
+    signals = cantools.database.load_string(text)
+    random = np.random.default_rng(7)
+    table = []
+    with can.Logger(folder / "signals" / "signals.log") as writer:
+        for k in range(200):
+            row = [1e-2 * k]
+            for at in range(len(places)):
+                data = random.bytes(8)
+                writer(can.Message(timestamp=1.0 + 1e-2 * k, arbitration_id=at + 1, is_extended_id=False, data=data, channel="can0"))
+                row.append(signals.decode_message(at + 1, data)[f"s{at}"])
+            table.append(row)
+    header = ",".join(["t_s", *(f"s{at}_V" for at in range(len(places)))])
+    np.savetxt(folder / "signals" / "truth.csv", table, delimiter=",", fmt="%.17g", header=header, comments="")
+
+
+def bag():
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    store.register(get_types_from_msg("builtin_interfaces/Time stamp\nfloat64 motor_speed_rpm\nfloat64 torque_mNm\n", "bench_msgs/msg/State"))
+    Time, State = (store.types[name] for name in ("builtin_interfaces/msg/Time", "bench_msgs/msg/State"))
+    with BagWriter(folder / "bag", version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        connection = writer.add_connection("/state", State.__msgtype__, typestore=store)
+        for k in range(ROWS):
+            stamp = START_NS + round(t[k] * 1e9)
+            message = State(Time(stamp // 10**9, stamp % 10**9), rpm[k], mNm[k])
+            writer.write(connection, stamp + 400_000, store.serialize_cdr(message, State.__msgtype__))
+    shutil.move(folder / "bag" / "bag.db3", folder / "run.db3")
+
+
 tdms("run.tdms")
 mdf("run.mf4", 0)
 mdf("compressed.mf4", 2)
@@ -131,3 +232,7 @@ arrow()
 matlab()
 protobuf()
 ros()
+wpilog()
+ulog()
+bus()
+bag()

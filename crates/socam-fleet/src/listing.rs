@@ -12,8 +12,10 @@ use crate::source::{Content, Source};
 
 /// Extensions of files that are listed as recordings. The format is determined by the content; a file with one of these extensions
 /// that is not a recording gets a row that says so.
-const EXTENSIONS: [&str; 13] =
-    ["mcap", "csv", "m", "mat", "h5", "hdf5", "mf4", "tdms", "parquet", "arrow", "feather", "tsv", "lvm"];
+const EXTENSIONS: [&str; 18] = [
+    "mcap", "csv", "m", "mat", "h5", "hdf5", "mf4", "tdms", "parquet", "arrow", "feather", "tsv", "lvm",
+    "wpilog", "ulg", "asc", "blf", "db3",
+];
 
 /// A line of a list.
 #[derive(Deserialize)]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use socam_recording::SettingsError;
 
 use crate::error::{ImportError, Result};
+use crate::formats::Hints;
 use crate::mapping::{ChannelMap, Clock, Mapping, Stamps, Time};
 use crate::source::{DATE_UNIT_S, Found, Signal, Source, Wanted};
 use crate::times::Times;
@@ -14,6 +15,8 @@ pub(crate) struct File {
     pub(crate) path: PathBuf,
     /// The mapping's file.
     pub(crate) mapping: Option<PathBuf>,
+    /// The DBC by which it was read.
+    pub(crate) dbc: Option<PathBuf>,
     pub(crate) source: Source,
 }
 
@@ -56,7 +59,11 @@ impl File {
 
     /// A sentence about a signal that is not there.
     fn lacking(&self, name: &str) -> String {
-        let all = crate::formats::read(&self.path, None, None, &Wanted { signals: None, most_rows: 1 });
+        let all = crate::formats::read(
+            &self.path,
+            Hints { dbc: self.dbc.as_deref(), ..Hints::default() },
+            &Wanted { signals: None, most_rows: 1 },
+        );
         let names: Vec<String> = all.map_or_else(
             |_| Vec::new(),
             |all| {

@@ -2,7 +2,11 @@
 
 #[cfg(feature = "formats-arrow")]
 mod arrow;
+#[cfg(feature = "formats-can")]
+mod can;
+mod detect;
 pub(crate) mod fence;
+mod frames;
 #[cfg(feature = "formats-hdf5")]
 mod hdf5;
 mod json;
@@ -11,17 +15,23 @@ mod matlab;
 mod mcap;
 #[cfg(feature = "formats-mdf4")]
 mod mdf;
+#[cfg(feature = "formats-ros")]
+mod messages;
 #[cfg(feature = "formats-arrow")]
 mod parquet;
+#[cfg(feature = "formats-sqlite")]
+mod rosbag;
+mod stream;
 mod tree;
+mod ulog;
+mod wpilog;
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use crate::error::{ImportError, Result};
 use crate::source::{Source, Wanted};
 use crate::{TextLayout, tdms, text};
+pub use detect::detect;
 
 /// A format that this crate reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,8 +44,20 @@ pub enum FileFormat {
     Trace,
     /// Export of TwinCAT's Scope View, a time before each variable.
     Scope,
+    /// Table of an older oscilloscope of Tektronix, its header beside the values.
+    Tektronix,
     /// JSON: records, columns, rows, or a log of SysId.
     Json,
+    /// Log of candump, frames of a CAN bus in text.
+    Candump,
+    /// Vector's log of a CAN bus in text (`.asc`).
+    Asc,
+    /// Vector's binary log of a CAN bus (`.blf`).
+    Blf,
+    /// WPILOG of WPILib and AdvantageKit.
+    Wpilog,
+    /// ULog of PX4 (`.ulg`).
+    Ulog,
     /// ASAM MDF 4 (`.mf4`).
     Mdf4,
     /// TDMS of National Instruments.
@@ -50,6 +72,8 @@ pub enum FileFormat {
     Arrow,
     /// MCAP of another program.
     Mcap,
+    /// A bag of ROS 2 in SQLite (`.db3`).
+    Rosbag,
 }
 
 impl FileFormat {
@@ -57,13 +81,14 @@ impl FileFormat {
     #[must_use]
     pub const fn feature(self) -> Option<&'static str> {
         match self {
-            Self::Text | Self::LabView | Self::Trace | Self::Scope | Self::Json | Self::Tdms | Self::Mat => {
-                None
-            }
+            Self::Text | Self::LabView | Self::Trace | Self::Scope | Self::Tektronix | Self::Json => None,
+            Self::Tdms | Self::Mat | Self::Wpilog | Self::Ulog => None,
+            Self::Candump | Self::Asc | Self::Blf => Some("formats-can"),
             Self::Mdf4 => Some("formats-mdf4"),
             Self::Hdf5 => Some("formats-hdf5"),
             Self::Parquet | Self::Arrow => Some("formats-arrow"),
             Self::Mcap => Some("formats-ros"),
+            Self::Rosbag => Some("formats-sqlite"),
         }
     }
 }
@@ -75,7 +100,13 @@ impl std::fmt::Display for FileFormat {
             Self::LabView => "LabVIEW .lvm",
             Self::Trace => "CODESYS trace",
             Self::Scope => "TwinCAT scope",
+            Self::Tektronix => "Tektronix",
             Self::Json => "JSON",
+            Self::Candump => "candump",
+            Self::Asc => "Vector ASC",
+            Self::Blf => "Vector BLF",
+            Self::Wpilog => "WPILOG",
+            Self::Ulog => "ULog",
             Self::Mdf4 => "MDF4",
             Self::Tdms => "TDMS",
             Self::Mat => "MATLAB .mat",
@@ -83,41 +114,19 @@ impl std::fmt::Display for FileFormat {
             Self::Parquet => "Parquet",
             Self::Arrow => "Arrow",
             Self::Mcap => "MCAP",
+            Self::Rosbag => "ROS 2 bag",
         })
     }
 }
 
-const MAGIC: [(&[u8], FileFormat); 9] = [
-    (b"MDF     4", FileFormat::Mdf4),
-    (b"UnFinMF ", FileFormat::Mdf4),
-    (b"TDSm", FileFormat::Tdms),
-    (b"MATLAB 5.0 MAT-file", FileFormat::Mat),
-    (b"MATLAB 7.3 MAT-file", FileFormat::Hdf5),
-    (b"\x89HDF\r\n\x1a\n", FileFormat::Hdf5),
-    (b"PAR1", FileFormat::Parquet),
-    (b"ARROW1", FileFormat::Arrow),
-    (b"\x89MCAP0\r\n", FileFormat::Mcap),
-];
-
-/// First bytes of formats that are not read, with what to do.
-const REFUSED: [(&[u8], &str); 9] = [
-    (b"MDF     ", "is MDF of a version before 4; convert it to MDF 4 with the program that wrote it"),
-    (b"#ROSBAG", "is a ROS 1 bag; convert it with `mcap convert`"),
-    (b"SQLite format 3", "is an SQLite database, perhaps a ROS 2 bag; convert it with `mcap convert`"),
-    (b"PK\x03\x04", "is a zip archive or a spreadsheet; unpack it, or save the sheet as .csv"),
-    (b"\xd0\xcf\x11\xe0", "is an old spreadsheet or document; save the sheet as .csv"),
-    (b"\x1f\x8b", "is compressed with gzip; decompress it first"),
-    (b"\x28\xb5\x2f\xfd", "is compressed with zstd; decompress it first"),
-    (b"BZh", "is compressed with bzip2; decompress it first"),
-    (b"7z\xbc\xaf", "is a 7z archive; unpack it"),
-];
-
 /// The error for a file whose format is left out of this build.
 #[cfg(not(all(
     feature = "formats-arrow",
+    feature = "formats-can",
     feature = "formats-hdf5",
     feature = "formats-mdf4",
-    feature = "formats-ros"
+    feature = "formats-ros",
+    feature = "formats-sqlite"
 )))]
 fn not_built(path: &Path, kind: FileFormat) -> ImportError {
     let feature = kind.feature().unwrap_or("default");
@@ -127,58 +136,36 @@ fn not_built(path: &Path, kind: FileFormat) -> ImportError {
     ImportError::file(path, problem)
 }
 
-/// Finds the format of a file by its first bytes.
-///
-/// # Errors
-/// When it cannot be read, is empty, or is in a format that is not read.
-pub fn detect(path: &Path) -> Result<FileFormat> {
-    let is_file = path.metadata().map_err(|error| ImportError::io(path, error))?.is_file();
-    if !is_file {
-        return Err(ImportError::file(path, "is a folder, a pipe or a device; name a file"));
-    }
-    let mut head = Vec::new();
-    let file = File::open(path).map_err(|error| ImportError::io(path, error))?;
-    file.take(4096).read_to_end(&mut head).map_err(|error| ImportError::io(path, error))?;
-    if head.is_empty() {
-        return Err(ImportError::file(path, "is empty; record again"));
-    }
-    if let Some((_, kind)) = MAGIC.iter().find(|(magic, _)| head.starts_with(magic)) {
-        return Ok(*kind);
-    }
-    if let Some((_, problem)) = REFUSED.iter().find(|(magic, _)| head.starts_with(magic)) {
-        return Err(ImportError::file(path, *problem));
-    }
-    if head.starts_with(&[0xff, 0xff, 0xff, 0xff]) && head.len() > 8 {
-        return Ok(FileFormat::Arrow);
-    }
-    let is_utf16 = head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff");
-    if head.contains(&0) && !is_utf16 {
-        return Err(ImportError::file(path, "is a binary file of no format known here"));
-    }
-    let text = String::from_utf8_lossy(&head);
-    Ok(match () {
-        () if text.trim_start_matches('\u{feff}').starts_with("LabVIEW Measurement") => FileFormat::LabView,
-        () if json::is_json(&text) => FileFormat::Json,
-        () if text::is_scope(&text) => FileFormat::Scope,
-        () if text::is_trace(&text) => FileFormat::Trace,
-        () => FileFormat::Text,
-    })
+/// What a mapping or an option says of a file, beside what the file itself says.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Hints<'h> {
+    /// How the lines of a text file are read, instead of what is found.
+    pub layout: Option<&'h TextLayout>,
+    /// Form of dates, as in `strptime`.
+    pub date: Option<&'h str>,
+    /// What the frames of a CAN bus hold, instead of the only DBC beside the log.
+    pub dbc: Option<&'h Path>,
 }
 
-/// Reads signals of a file of any format. `layout` and `date`: how a text file is read, instead of what is found.
+/// Reads signals of a file of any format.
 ///
 /// Values are kept in memory, 8 bytes each; `wanted` names those that are.
 ///
 /// # Errors
 /// When the file cannot be read, or is damaged before its first value. What is left aside is in [`Source::notes`].
-pub fn read(path: &Path, layout: Option<&TextLayout>, date: Option<&str>, wanted: &Wanted) -> Result<Source> {
+pub fn read(path: &Path, hints: Hints<'_>, wanted: &Wanted) -> Result<Source> {
     let kind = detect(path)?;
     let read = || match kind {
-        FileFormat::Text => text::read(path, layout, date, wanted),
+        FileFormat::Text => text::read(path, hints.layout, hints.date, wanted),
         FileFormat::LabView => text::read_labview(path, wanted),
         FileFormat::Trace => text::read_trace(path, wanted),
         FileFormat::Scope => text::read_scope(path, wanted),
+        FileFormat::Tektronix => text::read_tektronix(path, wanted),
         FileFormat::Json => json::read(path, wanted),
+        FileFormat::Wpilog => wpilog::read(path, wanted),
+        FileFormat::Ulog => ulog::read(path, wanted),
+        #[cfg(feature = "formats-can")]
+        FileFormat::Candump | FileFormat::Asc | FileFormat::Blf => can::read(path, kind, hints.dbc, wanted),
         FileFormat::Tdms => tdms::read(path, wanted),
         FileFormat::Mat => matlab::read(path, wanted),
         #[cfg(feature = "formats-mdf4")]
@@ -191,11 +178,15 @@ pub fn read(path: &Path, layout: Option<&TextLayout>, date: Option<&str>, wanted
         FileFormat::Arrow => arrow::read(path, wanted),
         #[cfg(feature = "formats-ros")]
         FileFormat::Mcap => mcap::read(path, wanted),
+        #[cfg(feature = "formats-sqlite")]
+        FileFormat::Rosbag => rosbag::read(path, wanted),
         #[cfg(not(all(
             feature = "formats-arrow",
+            feature = "formats-can",
             feature = "formats-hdf5",
             feature = "formats-mdf4",
-            feature = "formats-ros"
+            feature = "formats-ros",
+            feature = "formats-sqlite"
         )))]
         _ => Err(not_built(path, kind)),
     };
@@ -214,7 +205,8 @@ pub fn read(path: &Path, layout: Option<&TextLayout>, date: Option<&str>, wanted
 
 #[cfg(test)]
 mod tests {
-    use super::{FileFormat, MAGIC};
+    use super::FileFormat;
+    use super::detect::MAGIC;
 
     #[test]
     fn the_table_of_docs_import_has_every_format_with_its_feature() {
@@ -232,7 +224,10 @@ mod tests {
             FileFormat::LabView,
             FileFormat::Trace,
             FileFormat::Scope,
+            FileFormat::Tektronix,
             FileFormat::Json,
+            FileFormat::Candump,
+            FileFormat::Asc,
         ]) {
             let feature = kind.feature();
             let cell = feature.map_or("none |".to_owned(), |feature| format!("`{feature}` |"));

@@ -7,7 +7,7 @@ use socam_recording::{Channel, Dataset, Selection, Warning};
 use crate::align::{align, unwrap, usual};
 use crate::error::Result;
 use crate::file::File;
-use crate::formats::read;
+use crate::formats::{Hints, read};
 use crate::mapping::{Between, ChannelMap, Mapping, Time};
 use crate::source::{Source, Wanted};
 use crate::times::median_step_s;
@@ -68,7 +68,12 @@ pub(crate) fn import_noted(
     });
     let names: HashSet<String> = signals.chain(times).collect();
     let wanted = Wanted { signals: Some(names), ..Wanted::ALL };
-    let source = read(path, mapping.text.as_ref(), mapping.date_format.as_deref(), &wanted)?;
+    let hints = Hints {
+        layout: mapping.text.as_ref(),
+        date: mapping.date_format.as_deref(),
+        dbc: mapping.dbc.as_deref(),
+    };
+    let source = read(path, hints, &wanted)?;
     let new: Vec<Warning> = source.notes.iter().filter(|note| !notes.contains(note)).cloned().collect();
     notes.extend(new);
     assemble(selection, mapping, source, notes)
@@ -81,7 +86,12 @@ fn assemble(
     source: Source,
     mut notes: Vec<Warning>,
 ) -> Result<Imported> {
-    let file = File { path: selection.path.clone(), mapping: mapping.file.clone(), source };
+    let file = File {
+        path: selection.path.clone(),
+        mapping: mapping.file.clone(),
+        dbc: mapping.dbc.clone(),
+        source,
+    };
     let mut used: Vec<usize> = Vec::new();
     let mut found = Vec::new();
     for channel in &mapping.channels {

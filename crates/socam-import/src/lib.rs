@@ -21,7 +21,7 @@ mod time_names;
 mod times;
 
 pub use error::{ImportError, Result};
-pub use formats::{FileFormat, detect, fence::fenced, read};
+pub use formats::{FileFormat, Hints, detect, fence::fenced, read};
 pub use import::{Imported, Understood, import};
 pub use mapping::{Between, ChannelMap, Clock, Mapping, SCHEMA, Stamps, Time};
 pub use open::{Opened, open, open_either, open_selection, probe};

@@ -23,6 +23,8 @@ pub struct Mapping {
     pub text: Option<TextLayout>,
     /// Form of dates, as in `strptime`.
     pub date_format: Option<String>,
+    /// What the frames of a CAN bus hold: a DBC. A relative path of a mapping's file counts from that file.
+    pub dbc: Option<PathBuf>,
     /// Clocks; the first one gives the recording its times.
     pub clocks: Vec<Clock>,
     /// Channels, at least one.
@@ -106,7 +108,9 @@ impl Mapping {
     pub fn open(path: &Path) -> Result<Self> {
         let text = read_settings(path)?;
         let mapping = Self::parse(&text).map_err(|error| error.in_file(path))?;
-        Ok(Self { file: Some(path.into()), ..mapping })
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let dbc = mapping.dbc.as_ref().map(|dbc| folder.join(dbc));
+        Ok(Self { file: Some(path.into()), dbc, ..mapping })
     }
 
     /// Reads the text of a mapping.
@@ -130,13 +134,14 @@ impl Mapping {
         let _source = fields.maybe_text("source");
         let text = fields.is_given("text").then(|| fields.table("text", text_layout));
         let date_format = fields.maybe_text("date_format");
+        let dbc = fields.is_given("can").then(|| PathBuf::from(fields.table("can", |can| can.text("dbc"))));
         let clocks = fields.maybe_tables("clocks", clock);
         let channels = fields.named_tables("channels", channel);
         if channels.is_empty() {
             fields.complain("it maps no channel; add [channels.NAME] with `signal` and `unit`".into());
         }
         fields.finish()?;
-        let mapping = Self { file: None, text, date_format, clocks, channels };
+        let mapping = Self { file: None, text, date_format, dbc, clocks, channels };
         mapping.check_columns()?;
         Ok(mapping)
     }

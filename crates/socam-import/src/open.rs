@@ -1,5 +1,7 @@
 //! Recordings of any format, as every command opens them.
 
+use std::path::Path;
+
 use socam_recording::{Dataset, Format, RecordingError, Selection};
 
 use crate::error::Result;
@@ -21,7 +23,7 @@ pub fn open(run: &str) -> Result<Dataset> {
 /// # Errors
 /// The errors of [`open`].
 pub fn open_selection(selection: &Selection) -> Result<Dataset> {
-    Ok(match open_either(selection)? {
+    Ok(match open_either(selection, None)? {
         Opened::Own(data) => data,
         Opened::Foreign(imported) => imported.data,
     })
@@ -50,14 +52,15 @@ pub enum Opened {
     Foreign(Imported),
 }
 
-/// Opens a recording and keeps the description of the import if another program wrote the file.
+/// Opens a recording and keeps the description of the import if another program wrote the file. `dbc`: what the frames of a CAN bus hold; the
+/// only DBC beside the log where it is left out.
 ///
 /// # Errors
 /// The errors of [`open`].
-pub fn open_either(selection: &Selection) -> Result<Opened> {
+pub fn open_either(selection: &Selection, dbc: Option<&Path>) -> Result<Opened> {
     match Dataset::open_selection(selection) {
         Err(error) if error.is_foreign() && detect(&selection.path).is_ok() => {
-            Ok(Opened::Foreign(import_stated(selection)?))
+            Ok(Opened::Foreign(import_stated(selection, dbc)?))
         }
         opened => Ok(Opened::Own(opened?)),
     }

@@ -79,12 +79,13 @@ struct ProposedClock {
     offset: Option<(f64, String)>,
 }
 
-/// Looks at the first rows of a file and proposes a mapping.
+/// Looks at the first rows of a file and proposes a mapping. `dbc`: what the frames of a CAN bus hold; the only DBC beside the log where it is
+/// left out.
 ///
 /// # Errors
 /// When the file cannot be read, or holds nothing but times and constants.
-pub fn propose(path: &Path) -> Result<Proposal> {
-    let mut draft = Draft::of(path)?;
+pub fn propose(path: &Path, dbc: Option<&Path>) -> Result<Proposal> {
+    let mut draft = Draft::of(path, dbc)?;
     names::make_keys(&mut draft.channels);
     let text = write::mapping(path, &draft);
     let assumed = draft.assumed();
@@ -105,9 +106,9 @@ pub fn propose(path: &Path) -> Result<Proposal> {
 ///
 /// # Errors
 /// As [`import`](fn@crate::import); also where a unit or a time is not stated, which `import --propose` shows.
-pub fn import_stated(selection: &Selection) -> Result<Imported> {
+pub fn import_stated(selection: &Selection, dbc: Option<&Path>) -> Result<Imported> {
     let path = &selection.path;
-    let mut draft = Draft::of(path)?;
+    let mut draft = Draft::of(path, dbc)?;
     if draft.channels.iter().any(|channel| channel.conversion().is_some()) {
         draft.leave_unstated_aside();
     }
@@ -142,9 +143,9 @@ pub struct Guessed {
 ///
 /// # Errors
 /// As [`import_stated`]; also where no column holds times, or no channel is left.
-pub fn import_guessed(selection: &Selection) -> Result<Guessed> {
+pub fn import_guessed(selection: &Selection, dbc: Option<&Path>) -> Result<Guessed> {
     let path = &selection.path;
-    let mut draft = Draft::of(path)?;
+    let mut draft = Draft::of(path, dbc)?;
     let without_clock: Vec<String> = draft.unknown_clocks().collect();
     if let Some(first) = without_clock.first() {
         let problem = format!(

@@ -13,6 +13,8 @@ pub struct Source {
     pub notes: Vec<Warning>,
     /// Layout by which the lines of a text file were read.
     pub text: Option<crate::TextLayout>,
+    /// The DBC that was named for the frames of a CAN bus.
+    pub dbc: Option<std::path::PathBuf>,
 }
 
 /// Signals that were sampled together.
@@ -45,6 +47,9 @@ pub struct Signal {
     pub is_date: bool,
 }
 
+/// Below this size every integer is a floating-point number.
+const EXACT: u64 = 1 << 53;
+
 /// Unit of dates and times of day, s.
 pub(crate) const DATE_UNIT_S: f64 = 1e-9;
 
@@ -65,12 +70,18 @@ impl Signal {
         unit: Option<String>,
         values: impl Iterator<Item = Option<i64>> + Clone,
     ) -> Self {
-        // Below this size every integer is a floating-point number.
-        const EXACT: u64 = 1 << 53;
         let first = values.clone().flatten().next().unwrap_or(0);
         let origin = if first.unsigned_abs() >= EXACT { first } else { 0 };
         let relative = |value: Option<i64>| value.map_or(f64::NAN, |value| value.wrapping_sub(origin) as f64);
         Self { origin, ..Self::new(name, unit, values.map(relative).collect()) }
+    }
+
+    /// Appends an integer; a large first one becomes the origin of all.
+    pub(crate) fn push_integer(&mut self, value: i64) {
+        if self.values.is_empty() && value.unsigned_abs() >= EXACT {
+            self.origin = value;
+        }
+        self.values.push(value.wrapping_sub(self.origin) as f64);
     }
 
     /// A signal of dates, or of times of day, ns; some may be missing.
@@ -160,7 +171,16 @@ impl Source {
     }
 
     /// Joins groups whose clocks hold the same times. A single group needs no name.
-    pub(crate) fn with_shared_clocks(mut self) -> Self {
+    pub(crate) fn with_shared_clocks(self) -> Self {
+        let mut source = self.with_joined_groups();
+        if let [only] = source.groups.as_mut_slice() {
+            only.name.clear();
+        }
+        source
+    }
+
+    /// Joins groups whose clocks hold the same times; the first one gives its name.
+    pub(crate) fn with_joined_groups(mut self) -> Self {
         let mut joined: Vec<Group> = Vec::new();
         let same = |a: &Signal, b: &Signal| {
             let pairs = || a.values.iter().zip(&b.values);
@@ -182,9 +202,6 @@ impl Source {
                 }
                 None => joined.push(group),
             }
-        }
-        if let [only] = joined.as_mut_slice() {
-            only.name.clear();
         }
         self.groups = joined;
         self

@@ -202,7 +202,8 @@ impl Reader<'_> {
             signals.splice(0..0, clock);
             Group { name, signals, time, is_by_arrival: false }
         };
-        Source { groups: groups.into_iter().map(group).collect(), notes: self.notes, text: None }.tidy()
+        Source { groups: groups.into_iter().map(group).collect(), notes: self.notes, ..Source::default() }
+            .tidy()
     }
 }
 

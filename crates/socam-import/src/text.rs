@@ -7,11 +7,15 @@ mod layout;
 mod lines;
 mod read;
 mod scope;
+mod tektronix;
 mod trace;
 
 pub(crate) use labview::read as read_labview;
 pub use layout::TextLayout;
 pub(crate) use layout::sniff;
+#[cfg(feature = "formats-can")]
+pub(crate) use lines::{Lines, encoding};
 pub(crate) use read::read;
 pub(crate) use scope::{is_scope, read as read_scope};
+pub(crate) use tektronix::{is_tektronix, read as read_tektronix};
 pub(crate) use trace::{is_trace, read as read_trace};

@@ -155,7 +155,7 @@ fn every_form_holds_the_same_numbers() {
         if name == "trace.csv" {
             // It does not state the unit of its times.
             let path = written(folder.path(), name, &content);
-            let guessed = import_guessed(&Selection::parse(path.to_str().unwrap()).unwrap()).unwrap();
+            let guessed = import_guessed(&Selection::parse(path.to_str().unwrap()).unwrap(), None).unwrap();
             assert_eq!(guessed.taken.len(), 1, "{:?}", guessed.taken);
             assert!(
                 guessed.taken[0].contains("taken for ms because its step of 2 is then 500 Hz"),
@@ -218,6 +218,37 @@ fn a_log_of_sysid_is_one_recording_with_gaps() {
     assert!(error.contains("`Furlongs`, a unit that is not known here"), "{error}");
 }
 
+/// A table of an older oscilloscope of Tektronix, whose header stands beside the values.
+#[test]
+fn headers_beside_values_are_no_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let head = [
+        "Record Length,2.500000e+03",
+        "Sample Interval,2.000000e-03",
+        ",",
+        "Source,CH1",
+        "Vertical Units,V",
+        "Horizontal Units,s",
+    ];
+    let text = rows(|row| {
+        format!("{},,{:.12},{:.5},", head.get(row).unwrap_or(&","), 0.002 * row as f64 - 0.0025, torque(row))
+    });
+    let (data, last_s) = read(folder.path(), "F0000CH1.CSV", &text).unwrap();
+    let loaded = data.load_all().unwrap();
+    assert_eq!(data.channels()[0].column_name(), "ch1_V");
+    assert!((last_s + 0.0025 - 0.002 * (ROWS - 1) as f64).abs() < 1e-9, "{last_s}");
+    assert!(loaded.columns[0].values().iter().enumerate().all(|(row, value)| *value == torque(row)));
+    let comma = text.replace(',', ";").replace('.', ",");
+    let (data, _) = read(folder.path(), "F0001CH1.CSV", &comma).unwrap();
+    assert_eq!(data.load_all().unwrap().columns[0].values(), loaded.columns[0].values());
+    for part in 1..40 {
+        match read(folder.path(), "F0000CH1.CSV", &text[..text.len() * part / 40]) {
+            Ok((data, _)) => assert!(data.rows() <= ROWS as u64),
+            Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
+        }
+    }
+}
+
 #[test]
 fn text_among_the_numbers_of_records_is_said() {
     let folder = tempfile::tempdir().unwrap();
@@ -270,7 +301,7 @@ fn a_rising_column_is_offered_as_the_time() {
         "number.csv",
         &format!("n;speed [rpm]\n{}", rows(|row| format!("{row};{}", row % 7))),
     );
-    let assumed = |path: &PathBuf| propose(path).unwrap().assumed;
+    let assumed = |path: &PathBuf| propose(path, None).unwrap().assumed;
     assert!(
         assumed(&named)[0].starts_with("the unit of the time `time`, taken for ms because"),
         "{:?}",
@@ -294,7 +325,7 @@ fn guesses_are_taken_where_they_are_accepted_and_said() {
     let path = written(folder.path(), "log.csv", &text);
     let error = open(path.to_str().unwrap()).unwrap_err().to_string();
     assert!(error.contains("--accept-guesses"), "{error}");
-    let guessed = import_guessed(&Selection::parse(path.to_str().unwrap()).unwrap()).unwrap();
+    let guessed = import_guessed(&Selection::parse(path.to_str().unwrap()).unwrap(), None).unwrap();
     let names: Vec<String> =
         guessed.imported.data.channels().iter().map(|channel| channel.column_name()).collect();
     assert_eq!(names, ["motor_torque_Nm", "speed_rad_s"]);

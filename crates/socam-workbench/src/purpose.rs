@@ -24,9 +24,9 @@ pub enum Purpose {
 }
 
 /// Files of other programs that can be opened.
-const FOREIGN: [&str; 15] = [
+const FOREIGN: [&str; 21] = [
     "mat", "tdms", "mf4", "mdf", "parquet", "arrow", "feather", "h5", "hdf5", "txt", "tsv", "dat", "lvm",
-    "MAT", "MF4",
+    "wpilog", "ulg", "log", "asc", "blf", "db3", "MAT", "MF4",
 ];
 /// Files of socam that can be opened.
 const OWN: [&str; 6] = ["mcap", "csv", "m", "json", "toml", "MCAP"];

@@ -17,8 +17,8 @@ use crate::output::{self, WrongArguments};
 /// Turn recordings of other programs into MCAP logs
 ///
 /// Reads text tables (.csv and relatives: any separator, decimal commas, units in names or in a line), LabVIEW .lvm, traces of CODESYS,
-/// ctrlX and TwinCAT, JSON, MDF 4, TDMS, MATLAB .mat, HDF5, Parquet, Arrow, and MCAP of other programs (ROS 2, protobuf, JSON), found by
-/// their content. A file that states the units and times of
+/// ctrlX and TwinCAT, JSON, MDF 4, TDMS, MATLAB .mat, HDF5, Parquet, Arrow, MCAP of other programs (ROS 2, protobuf, JSON), ROS 2 bags
+/// (.db3), WPILOG, PX4 ULog, and logs of a CAN bus with a DBC (candump, Vector ASC and BLF), found by their content. A file that states the units and times of
 /// all its signals is read as it is. For others, --propose writes a mapping of signals to channels, in which what the file does not say
 /// stands as "?"; complete it and pass it by --map. A legacy .m holds volts: speeds are converted to rad/s by the thesis' sensitivities,
 /// torques stay in volts unless a calibration is given.
@@ -26,6 +26,7 @@ use crate::output::{self, WrongArguments};
 #[command(after_help = "Examples:
   socam-host import bench.tdms                                      writes bench.mcap
   socam-host import log.csv --propose -o log.toml                   what is in it, and a mapping to complete
+  socam-host import drive.blf --dbc motor.dbc                       frames of a CAN bus, by what a DBC says
   socam-host import log.csv --accept-guesses                        the likeliest units, printed
   socam-host import log.csv --map log.toml -o run.mcap
   socam-host import monday.csv tuesday.csv --map log.toml           the same mapping for several
@@ -47,6 +48,9 @@ pub(crate) struct Args {
     /// Mapping of signals to channels, as --propose writes it
     #[arg(long, value_name = "MAP.toml", conflicts_with = "calibration")]
     map: Option<PathBuf>,
+    /// DBC that says what the frames of a CAN bus hold (candump, ASC, BLF) [default: the only one beside RUN]; a mapping names its own
+    #[arg(long, value_name = "FILE.dbc", conflicts_with_all = ["map", "calibration"])]
+    dbc: Option<PathBuf>,
     /// Calibration file (`template calibration` prints one) that converts the volts of a legacy .m log into SI: channels in the order of the log's inputs
     #[arg(long, value_name = "C.toml")]
     calibration: Option<PathBuf>,
@@ -74,8 +78,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
                 attachments: attachment.to_vec(),
                 ..Log::own(Dataset::open_calibrated(&selection, calibration)?, &selection)?
             },
-            (None, None) if args.accept_guesses => Log::guessed(&selection)?,
-            (None, None) => Log::stated(&selection)?,
+            (None, None) if args.accept_guesses => Log::guessed(&selection, args.dbc.as_deref())?,
+            (None, None) => Log::stated(&selection, args.dbc.as_deref())?,
         };
         output::say_warnings(run, &log.data);
         log.write(&selection, &args)?;
@@ -93,7 +97,7 @@ fn propose(args: &Args) -> anyhow::Result<Outcome> {
         return Err(WrongArguments(problem).into());
     };
     let path = Selection::parse(run)?.path;
-    let proposal = socam_import::propose(&path)?;
+    let proposal = socam_import::propose(&path, args.dbc.as_deref())?;
     output::say(understood::proposed(&proposal));
     match &args.output {
         None => output::print(&proposal.text)?,
@@ -140,8 +144,8 @@ impl Log {
     }
 
     /// A recording whose file states units and times of all signals.
-    fn stated(selection: &Selection) -> anyhow::Result<Self> {
-        Self::opened(socam_import::open_either(selection)?, selection)
+    fn stated(selection: &Selection, dbc: Option<&Path>) -> anyhow::Result<Self> {
+        Self::opened(socam_import::open_either(selection, dbc)?, selection)
     }
 
     fn opened(opened: Opened, selection: &Selection) -> anyhow::Result<Self> {
@@ -152,9 +156,9 @@ impl Log {
     }
 
     /// A recording whose file leaves open what its numbers are: with the likeliest units and times.
-    fn guessed(selection: &Selection) -> anyhow::Result<Self> {
-        let guessed = match socam_import::open_either(selection) {
-            Err(ImportError::Unstated { .. }) => socam_import::import_guessed(selection)?,
+    fn guessed(selection: &Selection, dbc: Option<&Path>) -> anyhow::Result<Self> {
+        let guessed = match socam_import::open_either(selection, dbc) {
+            Err(ImportError::Unstated { .. }) => socam_import::import_guessed(selection, dbc)?,
             opened => return Self::opened(opened?, selection),
         };
         for taken in &guessed.taken {

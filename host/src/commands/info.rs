@@ -3,6 +3,8 @@
 mod contents;
 mod text;
 
+use std::path::PathBuf;
+
 use serde::Serialize;
 
 use super::Outcome;
@@ -18,13 +20,17 @@ use contents::{Info, info};
 pub(crate) struct Args {
     #[arg(value_name = "RUN", required = true, help = output::RUNS_HELP)]
     runs: Vec<String>,
+    /// DBC that says what the frames of a CAN bus hold (candump, ASC, BLF) [default: the only one beside RUN]
+    #[arg(long, value_name = "FILE.dbc")]
+    dbc: Option<PathBuf>,
     /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
-    let infos = args.runs.iter().map(|run| info(run)).collect::<anyhow::Result<Vec<_>>>()?;
+    let infos =
+        args.runs.iter().map(|run| info(run, args.dbc.as_deref())).collect::<anyhow::Result<Vec<_>>>()?;
     if args.json {
         output::print_json(&Document { schema: "socam.info/1", recordings: &infos })?;
     } else {

@@ -21,6 +21,7 @@ pub(crate) fn inputs(extension: &str) -> Vec<Vec<u8>> {
             ]
         }
         "toml" => settings(),
+        "dbc" => databases(),
         "json" => {
             vec!["[".repeat(WIDE), "{\"a\":".repeat(WIDE), format!("{{\"schema\":{}}}", "9".repeat(WIDE))]
         }
@@ -29,6 +30,24 @@ pub(crate) fn inputs(extension: &str) -> Vec<Vec<u8>> {
     let mut all: Vec<Vec<u8>> = texts.into_iter().map(String::into_bytes).collect();
     all.extend([vec![0; WIDE], vec![0xff; WIDE]]);
     all
+}
+
+fn databases() -> Vec<String> {
+    let signals = |mark: &dyn Fn(usize) -> String| -> String {
+        let signal = |k: usize| format!(" SG_ s{k} {}: 0|8@1+ (1,0) [0|0] \"V\" B\n", mark(k));
+        "VERSION \"\"\nBO_ 257 D: 8 B\n".to_owned() + &(0..DEEP).map(signal).collect::<String>()
+    };
+    let by_values = signals(&|k| if k == 0 { "M ".into() } else { format!("m{k} ") });
+    // Each is chosen by the one before it.
+    let chain = signals(&|k| if k == 0 { "M ".into() } else { "m1M ".into() });
+    let links: String = (1..DEEP).map(|k| format!("SG_MUL_VAL_ 257 s{k} s{} 0-255;\n", k - 1)).collect();
+    vec![
+        signals(&|_| String::new()),
+        by_values,
+        chain + &links,
+        "BO_ ".repeat(WIDE / 4),
+        format!("CM_ \"{}", "\\\"".repeat(WIDE / 2)),
+    ]
 }
 
 fn tables() -> Vec<String> {

@@ -1,6 +1,7 @@
 //! Whole inputs of each parser, made by the project's own writers or taken from its own files.
 
 mod foreign;
+mod robots;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,6 +15,7 @@ use socam_wire::{
 };
 
 pub(crate) use foreign::{foreign, foreign_tables, mappings};
+pub(crate) use robots::{DBC, databases};
 
 /// The repository.
 fn root() -> PathBuf {

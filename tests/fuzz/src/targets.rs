@@ -19,13 +19,14 @@ const MOST_VALUES: u64 = 1 << 20;
 const SAMPLE_PERIOD_US: u32 = 1000;
 
 /// All parsers.
-pub const TARGETS: [Target; 15] = [
+pub const TARGETS: [Target; 16] = [
     Target { name: "log", extension: "mcap", parse: log, seeds: seeds::logs },
     Target { name: "damaged-log", extension: "bin", parse: damage::damaged, seeds: damage::recipes },
     Target { name: "csv", extension: "csv", parse: csv, seeds: seeds::tables },
     Target { name: "steady", extension: "csv", parse: steady, seeds: seeds::steady_states },
     Target { name: "foreign", extension: "bin", parse: foreign, seeds: seeds::foreign },
     Target { name: "foreign-table", extension: "csv", parse: foreign, seeds: seeds::foreign_tables },
+    Target { name: "dbc", extension: "dbc", parse: dbc, seeds: seeds::databases },
     Target { name: "mapping", extension: "toml", parse: mapping, seeds: seeds::mappings },
     Target { name: "legacy", extension: "m", parse: legacy, seeds: seeds::legacy_logs },
     Target { name: "pairs", extension: "csv", parse: pairs, seeds: seeds::pairs },
@@ -90,13 +91,27 @@ fn csv(input: Input<'_>) -> bool {
 
 /// What a file of another program proposes is a mapping once its units are known, and the file is read by it in the end or refused.
 fn foreign(input: Input<'_>) -> bool {
-    let Ok(proposal) = socam_import::propose(input.path) else { return false };
+    let dbc = input.path.with_extension("dbc");
+    if !dbc.exists() && std::fs::write(&dbc, seeds::DBC).is_err() {
+        return false;
+    }
+    let Ok(proposal) = socam_import::propose(input.path, Some(&dbc)) else { return false };
     let complete = proposal.text.replace("\"?\"", "\"1\"").replace("rate_Hz = \"1\"", "rate_Hz = 1");
     let complete = complete.replace("counts_per_turn = \"1\"", "counts_per_turn = 1");
     let mapping = Mapping::parse(&complete);
     let mapping = mapping.unwrap_or_else(|error| panic!("a proposal is no mapping: {error}\n{complete}"));
     let imported = socam_import::import(&Selection::whole(input.path), &mapping);
     imported.is_ok_and(|imported| load(&imported.data))
+}
+
+/// What a DBC finds in frames of every identifier that the seeds have.
+fn dbc(input: Input<'_>) -> bool {
+    let log = input.path.with_extension("log");
+    let frames: String = (0..16).map(|row| format!("({row}) can0 101#{row:02X}00010203040506\n")).collect();
+    if std::fs::write(&log, frames).is_err() {
+        return false;
+    }
+    socam_import::propose(&log, Some(input.path)).is_ok()
 }
 
 fn mapping(input: Input<'_>) -> bool {

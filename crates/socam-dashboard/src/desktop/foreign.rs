@@ -59,7 +59,7 @@ fn mapping_of(file: &Path) -> PathBuf {
 /// When the file cannot be read or the mapping cannot be written; one sentence.
 pub(super) fn propose_mapping(run: &str) -> Result<String, String> {
     let selection = Selection::parse(run).map_err(|error| error.to_string())?;
-    let proposal = socam_import::propose(&selection.path).map_err(|error| error.to_string())?;
+    let proposal = socam_import::propose(&selection.path, None).map_err(|error| error.to_string())?;
     let place = mapping_of(&selection.path);
     socam_workbench::save::write_new(&place, proposal.text.as_bytes())?;
     Ok(format!(

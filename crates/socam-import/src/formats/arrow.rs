@@ -67,7 +67,7 @@ pub(super) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
         }
     };
     let group = Group { signals: columns.into_iter().map(signal).collect(), ..Group::default() };
-    Ok(Source { groups: vec![group], notes, text: None }.tidy())
+    Ok(Source { groups: vec![group], notes, ..Source::default() }.tidy())
 }
 
 fn unit_of(field: &Field) -> Option<String> {

@@ -41,7 +41,7 @@ pub(super) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
             None => notes.push(Warning::Note(format!("column `{name}` is no number and is left aside"))),
         }
     }
-    Ok(Source { groups: vec![group], notes, text: None }.tidy())
+    Ok(Source { groups: vec![group], notes, ..Source::default() }.tidy())
 }
 
 enum Values {

@@ -116,7 +116,12 @@ impl<'w> Arrays<'w> {
             signals,
             ..Group::default()
         };
-        Source { groups: self.groups.into_iter().map(group).collect(), notes: self.notes, text: None }.tidy()
+        Source {
+            groups: self.groups.into_iter().map(group).collect(),
+            notes: self.notes,
+            ..Source::default()
+        }
+        .tidy()
     }
 }
 

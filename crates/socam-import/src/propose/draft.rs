@@ -7,7 +7,7 @@ use socam_units::{Meaning, column, conversion, distinct_names, seconds};
 
 use super::{Proposed, ProposedClock, ROWS, clocks, names};
 use crate::error::{ImportError, Result};
-use crate::formats::read;
+use crate::formats::{Hints, read};
 use crate::mapping::{ChannelMap, Clock, Mapping, Time};
 use crate::source::{Source, Wanted};
 use crate::time_names::is_time_like;
@@ -22,8 +22,9 @@ pub(super) struct Draft {
 }
 
 impl Draft {
-    pub(super) fn of(path: &Path) -> Result<Self> {
-        let source = read(path, None, None, &Wanted { signals: None, most_rows: ROWS })?;
+    pub(super) fn of(path: &Path, dbc: Option<&Path>) -> Result<Self> {
+        let hints = Hints { dbc, ..Hints::default() };
+        let source = read(path, hints, &Wanted { signals: None, most_rows: ROWS })?;
         let clocks = clocks::find(&source);
         let notes = source.notes.clone();
         let mut draft = Self { source, clocks, channels: Vec::new(), notes };
@@ -177,6 +178,7 @@ impl Draft {
             file: None,
             text: self.source.text.clone(),
             date_format: None,
+            dbc: self.source.dbc.clone(),
             clocks: self.clocks.iter().filter_map(clock).collect(),
             channels: self.channels.iter().filter_map(channel).collect(),
         }

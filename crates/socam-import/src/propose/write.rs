@@ -17,6 +17,9 @@ pub(super) fn mapping(path: &Path, draft: &Draft) -> String {
     if let Some(layout) = &source.text {
         lines(&mut text, layout);
     }
+    if let Some(dbc) = &source.dbc {
+        let _ = writeln!(text, "\n[can]\ndbc = {}", quoted(&dbc.to_string_lossy()));
+    }
     for clock in &draft.clocks {
         self::clock(&mut text, source, clock);
     }

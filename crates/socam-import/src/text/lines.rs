@@ -15,7 +15,7 @@ pub(super) const HEAD_BYTES: u64 = 1 << 16;
 const LONGEST_LINE: u64 = 1 << 20;
 
 /// The encoding by a byte order mark; else UTF-8 where the bytes are valid, else Western European.
-pub(super) fn encoding(head: &[u8]) -> &'static Encoding {
+pub(crate) fn encoding(head: &[u8]) -> &'static Encoding {
     if let Some((encoding, _)) = Encoding::for_bom(head) {
         return encoding;
     }
@@ -28,24 +28,24 @@ pub(super) fn encoding(head: &[u8]) -> &'static Encoding {
 }
 
 /// Lines of text with their numbers.
-pub(super) struct Lines<'p> {
+pub(crate) struct Lines<'p> {
     path: &'p Path,
     reader: BufReader<DecodeReaderBytes<File, Vec<u8>>>,
     /// Number of the last line that was read, from 1.
-    pub(super) line: usize,
+    pub(crate) line: usize,
     /// That line, with its end.
-    pub(super) text: String,
+    pub(crate) text: String,
 }
 
 impl<'p> Lines<'p> {
-    pub(super) fn open(path: &'p Path, encoding: &'static Encoding) -> Result<Self> {
+    pub(crate) fn open(path: &'p Path, encoding: &'static Encoding) -> Result<Self> {
         let file = File::open(path).map_err(|error| ImportError::io(path, error))?;
         let decoded = DecodeReaderBytesBuilder::new().encoding(Some(encoding)).bom_override(true).build(file);
         Ok(Self { path, reader: BufReader::with_capacity(1 << 18, decoded), line: 0, text: String::new() })
     }
 
     /// Lines in the encoding that the beginning of the file shows.
-    pub(super) fn sniffed(path: &'p Path) -> Result<Self> {
+    pub(crate) fn sniffed(path: &'p Path) -> Result<Self> {
         let mut head = Vec::new();
         let file = File::open(path).map_err(|error| ImportError::io(path, error))?;
         file.take(HEAD_BYTES).read_to_end(&mut head).map_err(|error| ImportError::io(path, error))?;
@@ -53,17 +53,17 @@ impl<'p> Lines<'p> {
     }
 
     /// The last line without its end.
-    pub(super) fn bare(&self) -> &str {
+    pub(crate) fn bare(&self) -> &str {
         self.text.trim_end_matches(['\r', '\n'])
     }
 
     /// An error at the last line.
-    pub(super) fn problem(&self, problem: impl Into<String>) -> ImportError {
+    pub(crate) fn problem(&self, problem: impl Into<String>) -> ImportError {
         ImportError::line(self.path, self.line, problem)
     }
 
     /// Reads the next line; `false` at the end of the file.
-    pub(super) fn next(&mut self) -> Result<bool> {
+    pub(crate) fn next(&mut self) -> Result<bool> {
         self.text.clear();
         let read = (&mut self.reader).take(LONGEST_LINE).read_line(&mut self.text);
         let read = read.map_err(|error| ImportError::io(self.path, error))?;

@@ -1,5 +1,7 @@
 //! The contents of a recording.
 
+use std::path::Path;
+
 use serde::Serialize;
 use socam_import::{FileFormat, Opened, open_either};
 use socam_recording::{
@@ -47,15 +49,15 @@ pub(super) struct Gap {
     pub(super) rows: u64,
 }
 
-/// Reads one recording.
-pub(super) fn info(run: &str) -> anyhow::Result<Info> {
+/// Reads one recording; the frames of a CAN bus by a DBC.
+pub(super) fn info(run: &str, dbc: Option<&Path>) -> anyhow::Result<Info> {
     let selection = Selection::parse(run)?;
     let path = &selection.path;
     // Errors of unreadable files are raised where every command opens its files.
     if detect(path).is_ok_and(|format| format == Format::SteadyStates) {
         return Ok(Info::of_steady(&Steady::open(path)?));
     }
-    Ok(match open_either(&selection)? {
+    Ok(match open_either(&selection, dbc)? {
         Opened::Own(data) => Info::of(&data),
         Opened::Foreign(imported) => {
             Info { foreign: socam_import::detect(path).ok(), ..Info::of(&imported.data) }

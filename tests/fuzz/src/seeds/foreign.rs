@@ -12,6 +12,8 @@ use mdf4_rs::{DecodedValue, MdfWriter};
 use parquet::data_type::DoubleType;
 use parquet::file::writer::SerializedFileWriter;
 
+use super::robots;
+
 const ROWS: usize = 24;
 
 fn values() -> [Vec<f64>; 2] {
@@ -22,7 +24,7 @@ fn values() -> [Vec<f64>; 2] {
 /// One file of each format; a format whose file cannot be made has none.
 pub(crate) fn foreign(folder: &Path) -> Vec<Vec<u8>> {
     let made = [arrow(), parquet(), hdf5(), matlab(), tdms(), json_log(), mdf(folder)];
-    made.into_iter().flatten().collect()
+    made.into_iter().chain(robots::binary(folder)).flatten().collect()
 }
 
 fn arrow() -> Option<Vec<u8>> {
@@ -154,13 +156,15 @@ fn json_log() -> Option<Vec<u8>> {
 
 /// Tables of text as other programs write them.
 pub(crate) fn foreign_tables(_: &Path) -> Vec<Vec<u8>> {
-    super::texts([
+    let tables = super::texts([
         "Zeit [ms];Drehzahl [1/min]\n0,0;1,5\n1,0;2,5\n2,0;3,5\n",
         "Bench 3\n\ntime,speed\ns,rpm\n0,1\n1,2\n2,3\n",
         "timestamp\tx [mm]\n2024-05-01 12:00:00.0\t1\n2024-05-01 12:00:00.1\t2\n",
         "# t_s x_rad\n 0.0 1.0\n 0.1 2.0\n",
         "\"t [s]\",\"n, rpm\",mode\n0,1,\"a,b\"\n1,2,c\n",
-    ])
+        "Record Length,5.0e+00,,-0.0010,0.5,\nVertical Units,V,,0.0000,1.5,\nSource,CH1,,0.0010,2.5,\n",
+    ]);
+    tables.into_iter().chain(robots::text().map(String::into_bytes)).collect()
 }
 
 /// Mappings of signals to channels.
