@@ -5,9 +5,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
-use socam_tests::process::{program, socam_host};
 use socam_tests::readers::{python, scripts};
-use socam_tests::{run, skip};
+use socam_tests::{program, run, skip, socam_host};
 
 /// A folder with a recording of the virtual bench that has 0.3 N m of friction, and one to hold out.
 fn bench() -> tempfile::TempDir {

@@ -66,6 +66,7 @@ const fn tool(
 }
 
 const RECORDINGS: &str = "Recordings (.mcap, .csv, or any format that `propose_mapping` reads), or parts of them: RUN@FROM..TO in seconds";
+const DBC: Argument = argument("dbc", Takes::One("--dbc"), "DBC by which a log of a CAN bus is decoded");
 const WRITE_MODEL: Argument =
     argument("write_model", Takes::Written("--write-model"), "Write the resulting model to this file");
 const REPORT: &str = "Write a page (index.html) with the documents beside it into this folder";
@@ -75,14 +76,14 @@ pub(crate) const TOOLS: &[Tool] = &[
     tool(
         "info",
         &["info", "--json"],
-        &[required("recordings", Takes::Files, RECORDINGS)],
+        &[required("recordings", Takes::Files, RECORDINGS), DBC],
         None,
         "Show what recordings contain: channels with units, rates, gaps, lost samples, missing values, notes",
     ),
     tool(
         "propose_mapping",
         &["import", "--propose"],
-        &[required("recording", Takes::File, "File of another program")],
+        &[required("recording", Takes::File, "File of another program"), DBC],
         None,
         "Propose a mapping (TOML) for a file that does not state its units or times: what is not known stands as \"?\"",
     ),
