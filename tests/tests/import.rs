@@ -127,9 +127,12 @@ fn cut(folder: &TempDir, name: &str) {
     let target = path(folder, "cut.mcap");
     for share in [2, 10, 50, 90, 99] {
         let cut = format!("{}.cut", path(folder, name));
-        std::fs::write(&cut, &bytes[..bytes.len() * share / 100]).unwrap();
+        let left = &bytes[..bytes.len() * share / 100];
+        std::fs::write(&cut, left).unwrap();
         let ran = run(["import", &cut, "-o", &target, "--force"]);
         match ran.code {
+            // Lines that end where they should are a whole log.
+            Some(0) => assert!(left.ends_with(b"\n"), "{name} at {share} %"),
             Some(3) => assert!(ran.stderr.contains("cut off"), "{name} at {share} %: {}", ran.stderr),
             _ => {
                 let sentence = ran.refusal(1);

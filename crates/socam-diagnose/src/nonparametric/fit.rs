@@ -73,7 +73,7 @@ pub(super) fn fitted(
     let (last, term, std) = (&path.last, &scored.term, &scored.score.std);
     let begun = (&last.model, &*last.at.values);
     let from_zero = fitted_with_term(context, begun, &path.noise, (term, std), &[])?;
-    let law = named.and_then(|named| Some((&named.fitted, term.heights_of(named)?)));
+    let law = named.and_then(|named| Some((&named.fitted, term.heights_of(&named.fitted)?)));
     let from_law = match &law {
         Some((fitted, heights)) => {
             let begun = (&fitted.model, &*fitted.at.values);

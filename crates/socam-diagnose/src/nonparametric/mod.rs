@@ -72,7 +72,8 @@ pub(crate) fn competing(
         named.is_some_and(|named| BEYOND_SCORE * one.score.gain < named.deviance_reduction)
     };
     // In the place of the chosen effect's law, a curve begins at that law, and its score at zero does not count.
-    let freed_law = named.and_then(|named| scored.iter().find(|one| one.term.heights_of(named).is_some()));
+    let freed_law =
+        named.and_then(|named| scored.iter().find(|one| one.term.heights_of(&named.fitted).is_some()));
     let likeliest = Some(first).filter(|first| !falls_short(first));
     let is_freed_law = |one: &&ScoredTerm| freed_law.is_some_and(|law| std::ptr::eq(*one, law));
     let mut curves = Vec::new();

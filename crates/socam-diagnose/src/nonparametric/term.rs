@@ -8,7 +8,6 @@ use super::basis::{
     SPRING_STIFFNESS,
 };
 use crate::{
-    choice::Choice,
     context::FittedModel,
     criterion::Difference,
     document::{Curve, Over},
@@ -106,8 +105,8 @@ impl NonparametricTerm {
 
     /// Heights with which the term follows the law of an effect that was fitted at its place; `None` where that law does not depend on the
     /// term's quantity alone.
-    pub(super) fn heights_of(&self, named: &Choice) -> Option<Vec<f64>> {
-        let FittedModel { model, at, .. } = &named.fitted;
+    pub(super) fn heights_of(&self, named: &FittedModel) -> Option<Vec<f64>> {
+        let FittedModel { model, at, .. } = named;
         let used = model.effects.last().filter(|used| used.place == self.place)?;
         let ([law], [own]) = (used.effect.laws(), self.effect.laws()) else { return None };
         let is_alike = law.law_inputs == own.law_inputs && law.acts == own.acts;
