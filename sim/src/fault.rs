@@ -91,7 +91,7 @@ impl FaultyChannel {
                 };
                 let additions = laws.iter().filter(|law| law.acts == Acts::Reading).map(|law| {
                     let law_inputs: Vec<f64> = law.law_inputs.iter().map(input).collect();
-                    (law.evaluate)(&law_inputs, values).torque
+                    law.evaluate(&law_inputs, values).torque
                 });
                 truth + additions.sum::<f64>()
             }

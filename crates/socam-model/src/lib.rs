@@ -42,6 +42,7 @@ pub mod effects;
 mod equations;
 mod error;
 mod file;
+pub mod formula;
 mod intersample;
 mod jet;
 pub mod layout;
@@ -55,7 +56,7 @@ pub use error::ModelError;
 pub use file::column_unit;
 pub use intersample::Intersample;
 pub use model::{
-    Bearing, Channel, Differential, EffectUse, Gear, LARGEST_VALUE, Model, Motion, Motor, Node, Parameter,
-    Prior, Quantity, Role, Servo, Shaft, Site, Spring, Update,
+    Bearing, CandidateLaw, Channel, Differential, EffectUse, Gear, LARGEST_VALUE, Model, Motion, Motor, Node,
+    Parameter, Prior, Quantity, Role, Servo, Shaft, Site, Spring, Update,
 };
 pub use transform::{ChannelTransform, TransformStart};

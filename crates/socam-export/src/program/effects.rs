@@ -19,7 +19,7 @@ impl Builder<'_, '_> {
         let own = &self.d.model.effects[used];
         let missing =
             || ExportError::NoFormula { effect: own.effect.id.to_owned(), place: own.place.clone() };
-        let formula = Formula::parse(law.formula).ok_or_else(missing)?;
+        let formula = Formula::parse(law.formula).map_err(|_| missing())?;
         let borrowed = own.effect.borrows.map_or(&[][..], |borrowed| borrowed.symbols());
         let names: Vec<&str> =
             own.effect.parameters.iter().map(|own| own.name).chain(borrowed.iter().copied()).collect();

@@ -38,6 +38,14 @@ impl Model {
     /// assert_eq!(model.places(offset), ["motor_torque", "motor_speed", "load_speed"]);
     /// ```
     pub fn places(&self, effect: &Effect) -> Vec<&str> {
+        let mut all = self.places_of_kind(effect);
+        if let Places::Only(place) = effect.places {
+            all.retain(|own| *own == place);
+        }
+        all
+    }
+
+    fn places_of_kind(&self, effect: &Effect) -> Vec<&str> {
         match effect.acts_at {
             ActsAt::Bearing => {
                 let needs = effect.borrows == Some(Borrowed::Damping);
@@ -53,7 +61,7 @@ impl Model {
                     matches!(effect.form, Form::Lag | Form::Delay) || effect.sees(LawInput::Reading);
                 let fits = |channel: &&Channel| match effect.places {
                     Places::Sensors => channel.role == Role::Output,
-                    Places::Channels => true,
+                    Places::Channels | Places::Only(_) => true,
                     // The rate of an input can be computed only from a column that is read as it is.
                     Places::Inputs => {
                         channel.role == Role::Input && channel.transform == ChannelTransform::Value
@@ -99,7 +107,7 @@ impl Effect {
         let is_sensor = |place: &str| channel(place).is_some_and(|c| !c.quantity.is_clock());
         let mut all = all.filter(|place| self.acts_at != ActsAt::Channel || is_sensor(place));
         let kept: Vec<&str> = match self.places {
-            Places::Every | Places::Channels | Places::Inputs => all.collect(),
+            Places::Every | Places::Channels | Places::Inputs | Places::Only(_) => all.collect(),
             Places::Load => all.rfind(|place| massive(place) && !prescribed(place)).into_iter().collect(),
             Places::Driven => {
                 all.filter(|place| !prescribed(place) && (driven(place) || behind_drive(place))).collect()

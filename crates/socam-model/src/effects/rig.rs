@@ -103,6 +103,7 @@ impl Rig {
             bearings: bearings.collect(),
             nodes: nodes.collect(),
             channels: channels.collect(),
+            laws: laws(model, values),
             ..Self::default()
         }
     }
@@ -249,6 +250,19 @@ fn modes_hz(model: &Model, values: &[f64]) -> Vec<f64> {
     let swinging =
         modes.iter().filter(|mode| mode.damping_ratio < OSCILLATES && mode.natural_frequency_hz > 0.0);
     swinging.map(|mode| mode.natural_frequency_hz).collect()
+}
+
+fn laws(model: &Model, values: &[f64]) -> Vec<RigLaw> {
+    let each = model.candidates.iter().flat_map(|law| {
+        law.effect.parameters.iter().zip(&law.parameters).map(|(own, index)| RigLaw {
+            law: law.effect.id,
+            parameter: own.name,
+            value: values[*index],
+            bounds: model.parameters[*index].bounds,
+            prior: model.parameters[*index].prior.map(|prior| (prior.value, prior.std)),
+        })
+    });
+    each.collect()
 }
 
 fn shafts(model: &Model, values: &[f64]) -> Vec<RigShaft> {

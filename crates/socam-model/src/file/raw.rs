@@ -74,6 +74,8 @@ pub(super) struct RawModel {
     #[serde(default)]
     pub(super) effects: List<RawEffect>,
     #[serde(default)]
+    pub(super) laws: List<RawLaw>,
+    #[serde(default)]
     pub(super) motors: List<RawMotor>,
     pub(super) servo: Option<RawServo>,
     pub(super) channels: Ordered<RawChannel>,
@@ -173,6 +175,20 @@ pub(super) struct RawEffect {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a [[laws]] table")]
+pub(super) struct RawLaw {
+    pub(super) name: Name,
+    pub(super) at: Name,
+    pub(super) formula: Name,
+    #[serde(default)]
+    pub(super) parameters: Ordered<Reference>,
+    #[serde(default)]
+    pub(super) inputs: Ordered<Name>,
+    #[serde(default)]
+    pub(super) candidate: bool,
+}
+
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a [servo] table")]
 pub(super) struct RawServo {
     pub(super) name: Name,
@@ -214,5 +230,6 @@ listed!(
     RawMotor = "motors",
     RawShaft = "shafts",
     RawBearing = "bearings",
-    RawEffect = "effects"
+    RawEffect = "effects",
+    RawLaw = "laws"
 );
