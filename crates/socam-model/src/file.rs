@@ -12,6 +12,7 @@ use wording::line_of;
 
 mod channel;
 mod clocks;
+mod curves;
 #[cfg(test)]
 mod documented;
 mod effects;

@@ -4,6 +4,7 @@
 //! its position. The dimension check and the compiled [`Tape`] walk that list; [`Formula`] is the tree that exporters write in the
 //! notation of a language.
 
+mod curve;
 mod dimensions;
 mod parser;
 mod structure;
@@ -12,6 +13,7 @@ mod tape;
 mod tests;
 mod written;
 
+pub(crate) use curve::{Curve, Values};
 pub(crate) use dimensions::{check, powers_of, unit_of};
 pub(crate) use parser::parse;
 pub(crate) use tape::MOST_OPERATIONS;
@@ -93,6 +95,9 @@ pub(crate) enum What {
     /// Index in [`FUNCTIONS`].
     Call(usize),
 }
+
+/// Name of a law's curve in its formula.
+pub(crate) const CURVE: &str = "curve";
 
 impl Formula {
     /// Parses a text.

@@ -3,7 +3,7 @@
 use crate::formula::Tape;
 
 /// Largest number of parameters of a law, borrowed ones included.
-pub const MAX_PARAMETERS: usize = 8;
+pub const MAX_PARAMETERS: usize = 10;
 /// Largest number of inputs of a law.
 pub const MAX_LAW_INPUTS: usize = 4;
 

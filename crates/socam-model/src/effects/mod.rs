@@ -68,7 +68,7 @@ pub use gravity_unbalance::EFFECT as GRAVITY_UNBALANCE;
 pub(crate) use kinds::CONTACT_DAMPING;
 pub use kinds::{EffectParameter, QuantityKind};
 pub use law::{Acts, Borrowed, Form, Law, LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS, Response, Rule};
-pub(crate) use own::{OwnInput, OwnLaw, OwnParameter};
+pub(crate) use own::{OwnCurve, OwnInput, OwnLaw, OwnParameter};
 pub use places::{ActsAt, Places, is_part};
 pub use prior::{Prior, Shape};
 pub use relations::{Condition, Equivalent, FittedValues, Replaces};

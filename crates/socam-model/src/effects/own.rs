@@ -14,7 +14,7 @@ use super::{
     places::{ActsAt, Places},
     shape,
 };
-use crate::formula::{Step, Tape};
+use crate::formula::{CURVE, Curve, Step, Tape, Values, What};
 
 /// Most different laws of model files in one process; it bounds the memory that files can take.
 const MOST_LAWS: usize = 2000;
@@ -31,8 +31,20 @@ pub(crate) struct OwnLaw {
     pub(crate) formula: String,
     pub(crate) inputs: Vec<OwnInput>,
     pub(crate) parameters: Vec<OwnParameter>,
+    pub(crate) curve: Option<OwnCurve>,
     /// Whether a diagnosis tests it.
     pub(crate) is_candidate: bool,
+}
+
+/// A curve of a law of a model file.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct OwnCurve {
+    /// Index of the law's input.
+    pub(crate) input: usize,
+    /// Bits of the positions of its points, SI.
+    pub(crate) at: Vec<u64>,
+    /// Bits of the values there, SI; where there are none, the law's last parameters are the values.
+    pub(crate) values: Vec<u64>,
 }
 
 /// An input of a law of a model file.
@@ -77,7 +89,12 @@ impl OwnLaw {
         let symbols: Vec<&str> = inputs.iter().map(|input| input.symbol()).collect();
         let parameters: Vec<EffectParameter> = self.parameters.iter().map(OwnParameter::kept).collect();
         let names: Vec<&'static str> = parameters.iter().map(|own| own.name).collect();
-        let tape: &Tape = kept(Tape::new(steps, &symbols, &names)?);
+        let curve = self.curve.as_ref().map(|curve| curve.kept(names.len()));
+        let formula = match &curve {
+            Some(curve) => with_curve(&self.formula, steps, &curve.formula(symbols[curve.input], &names)),
+            None => self.formula.clone(),
+        };
+        let tape: &Tape = kept(Tape::new(steps, &symbols, &names, curve)?);
         let amplitudes: Vec<&str> = if self.is_candidate {
             tape.amplitudes(names.len()).into_iter().map(|own| names[own]).collect()
         } else {
@@ -91,7 +108,7 @@ impl OwnLaw {
                 ActsAt::Bearing | ActsAt::Node | ActsAt::Spring | ActsAt::Shaft => Acts::Torque,
             },
             rule: Rule::Formula(tape),
-            formula: text(&self.formula),
+            formula: text(&formula),
             transition: shape::no_transition,
             inactive: shape::never,
         };
@@ -104,6 +121,26 @@ impl OwnLaw {
             ..Effect::bare(name, self.acts_at, Vec::leak(parameters), None, form, text(&self.formula))
         }))
     }
+}
+
+impl OwnCurve {
+    fn kept(&self, parameters: usize) -> Curve {
+        let numbers = |bits: &[u64]| bits.iter().map(|bits| f64::from_bits(*bits)).collect::<Vec<f64>>();
+        let values = match self.values.as_slice() {
+            [] => Values::Parameters((parameters - self.at.len()..parameters).collect()),
+            values => Values::Numbers(numbers(values)),
+        };
+        Curve { input: self.input, at: numbers(&self.at), values }
+    }
+}
+
+/// A formula with the curve's own formula instead of its name.
+fn with_curve(formula: &str, steps: &[Step], curve: &str) -> String {
+    let mut text = formula.to_owned();
+    for step in steps.iter().rev().filter(|step| matches!(&step.what, What::Name(name) if name == CURVE)) {
+        text.replace_range(step.at..step.at + CURVE.len(), &format!("({curve})"));
+    }
+    text
 }
 
 impl OwnInput {

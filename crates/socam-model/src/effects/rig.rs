@@ -2,7 +2,7 @@
 
 mod elements;
 
-pub use elements::{RigBearing, RigChannel, RigGear, RigNode, RigShaft, RigSpring};
+pub use elements::{RigBearing, RigChannel, RigGear, RigLaw, RigNode, RigShaft, RigSpring};
 
 use super::places::{ActsAt, is_part};
 use crate::{Model, Motion, Role};
@@ -51,6 +51,8 @@ pub struct Rig {
     pub bearings: Vec<RigBearing>,
     /// Channels, in the model's order.
     pub channels: Vec<RigChannel>,
+    /// Parameters of the candidates of the model file.
+    pub laws: Vec<RigLaw>,
 }
 
 /// Stiffness of a rigid contact or shaft as a multiple of the stiffest spring.

@@ -1,6 +1,9 @@
 //! `[[laws]]`: formulas of the file's author as laws of the model, with their units checked.
 
+use toml::Spanned;
+
 use super::{
+    curves::ReadCurve,
     raw::{Name, RawLaw},
     reader::Reader,
     wording::{line_of, meant},
@@ -11,13 +14,13 @@ use crate::{
         self, ActsAt, Effect, LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS, OwnInput, OwnLaw, OwnParameter,
         QuantityKind,
     },
-    formula::{self, FUNCTIONS, FormulaProblem, Step, What},
+    formula::{self, CURVE, FUNCTIONS, FormulaProblem, Step, What},
 };
 
 /// Longest formula, bytes.
 const LONGEST: usize = 1000;
 /// Names with a meaning of their own in every formula, beside those of functions.
-const RESERVED: [&str; 4] = ["pi", "through", "change", "state"];
+const RESERVED: [&str; 5] = ["pi", "through", "change", "state", CURVE];
 
 /// A name of a formula.
 enum Meaning {
@@ -26,6 +29,8 @@ enum Meaning {
     Channel(usize),
     /// Index of a parameter of the model.
     Parameter(usize),
+    /// The law's curve.
+    Curve,
 }
 
 /// A formula while it is read: its names and what they mean, in the order in which they occur.
@@ -35,8 +40,17 @@ struct Names<'t> {
 
 impl Reader<'_> {
     /// Reads a law; adds it to the model's effects, or to its candidates.
-    pub(super) fn law(&mut self, raw: RawLaw, model: &mut Model) -> Result<(), ModelError> {
+    pub(super) fn law(&mut self, mut raw: RawLaw, model: &mut Model) -> Result<(), ModelError> {
         self.check_law_name(&raw.name, model)?;
+        if raw.formula.span().is_empty() {
+            let Some(curve) = &raw.curve else {
+                return self.fail(
+                    &raw.name,
+                    "formula is missing; write formula = \"-a*speed\", or curve = { over = \"speed\", ... }",
+                );
+            };
+            raw.formula = Spanned::new(curve.span(), raw.formula.into_inner());
+        }
         let acts_at = self.law_place(&raw, model)?;
         let text = raw.formula.get_ref();
         if text.len() > LONGEST {
@@ -48,9 +62,15 @@ impl Reader<'_> {
         }
         let steps = formula::parse(text).map_err(|problem| self.in_formula(&raw, &problem))?;
         let names = self.names(&raw, acts_at, &steps, model)?;
-        self.check_units(&raw, acts_at, &steps, &names, model)?;
-        let parameters: Vec<(&str, usize)> = names.parameters().collect();
-        let effect = self.own_effect(&raw, acts_at, &steps, &names, model)?;
+        let over = self.unit_over(&raw, acts_at, &names, model);
+        let curve = raw.curve.as_ref().map(|curve| self.curve(&raw, curve, &over)).transpose()?;
+        self.check_counts(&raw, &names, curve.as_ref())?;
+        self.check_units(&raw, acts_at, &steps, (&names, curve.as_ref()), model)?;
+        let mut parameters: Vec<(String, usize)> =
+            names.parameters().map(|(name, index)| (name.to_owned(), index)).collect();
+        parameters.extend(curve.iter().flat_map(ReadCurve::parameters));
+        let effect =
+            self.own_effect(&raw, acts_at, &steps, (&names, curve.as_ref()), (&parameters, model))?;
         self.check_values(&raw, effect, &parameters)?;
         let indices: Vec<usize> = parameters.iter().map(|(_, index)| *index).collect();
         if raw.candidate {
@@ -173,8 +193,17 @@ impl Reader<'_> {
                 names.found.push((name, meaning));
             }
         }
+        if let Some(curve) = &raw.curve {
+            let over = curve.get_ref().over.get_ref();
+            if !names.found.iter().any(|(_, meaning)| matches!(meaning, Meaning::Curve)) {
+                return self.fail(&raw.formula, format!("the formula of the law {law} does not name its curve; write curve in it, or leave formula out"));
+            }
+            if !names.found.iter().any(|(known, _)| known == over) {
+                let meaning = self.input_over(raw, acts_at, &curve.get_ref().over, model)?;
+                names.found.push((over, meaning));
+            }
+        }
         self.name_units(&names);
-        self.check_counts(raw, &names)?;
         Ok(names)
     }
 
@@ -186,6 +215,9 @@ impl Reader<'_> {
         model: &Model,
     ) -> Result<Meaning, ModelError> {
         let channel = |name: &str| model.channels.iter().position(|channel| channel.name == name);
+        if name == CURVE && raw.curve.is_some() {
+            return Ok(Meaning::Curve);
+        }
         if let Some((_, reference)) = raw.parameters.0.iter().find(|(key, _)| key.get_ref() == name) {
             return self.parameter(name, reference, QuantityKind::Gain).map(Meaning::Parameter);
         }
@@ -236,9 +268,57 @@ impl Reader<'_> {
         }
     }
 
-    fn check_counts(&self, raw: &RawLaw, names: &Names<'_>) -> Result<(), ModelError> {
-        let parameters = names.parameters().count();
-        let inputs = names.found.len() - parameters;
+    /// What a curve is drawn over.
+    fn input_over(
+        &mut self,
+        raw: &RawLaw,
+        acts_at: ActsAt,
+        over: &Name,
+        model: &Model,
+    ) -> Result<Meaning, ModelError> {
+        let label = over.get_ref().as_str();
+        match self.meaning(raw, acts_at, (label, 0), model) {
+            Ok(meaning @ (Meaning::Place(_) | Meaning::Channel(_))) => Ok(meaning),
+            _ => {
+                let known: Vec<&str> = symbols(acts_at).iter().map(|(symbol, ..)| *symbol).collect();
+                let all = known.iter().copied().chain(model.channels.iter().map(|own| own.name.as_str()));
+                let message = format!(
+                    "laws.{}.curve is over \"{label}\", which is no input at {}{}; write over = one of {}, or the name of a channel",
+                    raw.name.get_ref(),
+                    acts_at.noun(),
+                    meant(label, all.collect::<Vec<_>>().into_iter()),
+                    known.join(", ")
+                );
+                self.fail(over, message)
+            }
+        }
+    }
+
+    /// SI unit of what a law's curve is drawn over.
+    fn unit_over(&self, raw: &RawLaw, acts_at: ActsAt, names: &Names<'_>, model: &Model) -> String {
+        let over = raw.curve.as_ref().map_or("", |curve| curve.get_ref().over.get_ref().as_str());
+        let meaning = names.found.iter().find(|(name, _)| *name == over).map(|(_, meaning)| meaning);
+        match meaning {
+            Some(Meaning::Channel(index)) => model.channels[*index].unit.to_owned(),
+            Some(Meaning::Place(LawInput::Reading)) => channel_unit(raw, model).to_owned(),
+            Some(Meaning::Place(input)) => {
+                let kind = symbols(acts_at).into_iter().find(|(_, own, _)| own == input);
+                kind.map_or("1", |(.., kind)| kind.unit(self.rotational)).to_owned()
+            }
+            _ => "1".to_owned(),
+        }
+    }
+
+    fn check_counts(
+        &self,
+        raw: &RawLaw,
+        names: &Names<'_>,
+        curve: Option<&ReadCurve>,
+    ) -> Result<(), ModelError> {
+        let of_formula = names.parameters().count();
+        let parameters = of_formula + curve.map_or(0, |curve| curve.parameters().count());
+        let is_input = |meaning: &Meaning| matches!(meaning, Meaning::Place(_) | Meaning::Channel(_));
+        let inputs = names.found.iter().filter(|(_, own)| is_input(own)).count();
         let over = |what: &str, found: usize, most: usize| {
             let message = format!(
                 "laws.{}.formula has {found} {what}, and a law has at most {most}; write it as several laws",
@@ -260,7 +340,7 @@ impl Reader<'_> {
         raw: &RawLaw,
         acts_at: ActsAt,
         steps: &[Step],
-        names: &Names<'_>,
+        (names, curve): (&Names<'_>, Option<&ReadCurve>),
         model: &Model,
     ) -> Result<(), ModelError> {
         let unit = |kind: QuantityKind| kind.unit(self.rotational);
@@ -275,6 +355,7 @@ impl Reader<'_> {
                 }
                 Meaning::Channel(index) => powers(model.channels[*index].unit),
                 Meaning::Parameter(index) => powers(&self.parameters[*index].file_unit),
+                Meaning::Curve => powers(curve.map_or("1", |curve| curve.unit.as_str())),
             })
         };
         let usual = self.usual_units();
@@ -316,30 +397,34 @@ impl Reader<'_> {
         raw: &RawLaw,
         acts_at: ActsAt,
         steps: &[Step],
-        names: &Names<'_>,
-        model: &Model,
+        (names, curve): (&Names<'_>, Option<&ReadCurve>),
+        (parameters, model): (&[(String, usize)], &Model),
     ) -> Result<&'static Effect, ModelError> {
         let mut inputs = Vec::new();
+        let over = raw.curve.as_ref().map(|curve| curve.get_ref().over.get_ref().as_str());
+        let mut position = None;
         for (symbol, input, _) in symbols(acts_at) {
             if names
                 .found
                 .iter()
                 .any(|(name, meaning)| *name == symbol && matches!(meaning, Meaning::Place(_)))
             {
+                position = position.or((over == Some(symbol)).then_some(inputs.len()));
                 inputs.push(OwnInput::Place(input));
             }
         }
         for (name, meaning) in &names.found {
             if let Meaning::Channel(index) = meaning {
+                position = position.or((over == Some(*name)).then_some(inputs.len()));
                 let channel = model.channels[*index].name.clone();
                 inputs.push(OwnInput::Channel { channel, symbol: (*name).to_owned() });
             }
         }
-        let parameters = names.parameters().map(|(name, index)| {
-            let own = &self.parameters[index];
+        let parameters = parameters.iter().map(|(name, index)| {
+            let own = &self.parameters[*index];
             let (least, most) = if raw.candidate { own.bounds } else { (f64::NEG_INFINITY, f64::INFINITY) };
             OwnParameter {
-                name: name.to_owned(),
+                name: name.clone(),
                 unit: own.unit.clone(),
                 bounds: [least.to_bits(), most.to_bits()],
             }
@@ -350,6 +435,7 @@ impl Reader<'_> {
             place: raw.at.get_ref().clone(),
             acts_at,
             parameters: parameters.collect(),
+            curve: curve.zip(position).map(|(curve, input)| curve.own(input)),
             inputs,
             formula: renamed,
             is_candidate: raw.candidate,
@@ -378,10 +464,10 @@ impl Reader<'_> {
         &mut self,
         raw: &RawLaw,
         effect: &Effect,
-        names: &[(&str, usize)],
+        names: &[(String, usize)],
     ) -> Result<(), ModelError> {
         for own in effect.divisors() {
-            let (name, index) = names[own];
+            let (name, index) = (&names[own].0, names[own].1);
             let parameter = &mut self.parameters[index];
             if parameter.value > 0.0 {
                 parameter.bounds.0 = parameter.bounds.0.max(0.0);
@@ -412,7 +498,7 @@ impl<'t> Names<'t> {
     fn parameters(&self) -> impl Iterator<Item = (&'t str, usize)> + '_ {
         self.found.iter().filter_map(|(name, meaning)| match meaning {
             Meaning::Parameter(index) => Some((*name, *index)),
-            Meaning::Place(_) | Meaning::Channel(_) => None,
+            Meaning::Place(_) | Meaning::Channel(_) | Meaning::Curve => None,
         })
     }
 }

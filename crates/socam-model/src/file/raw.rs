@@ -179,13 +179,33 @@ pub(super) struct RawEffect {
 pub(super) struct RawLaw {
     pub(super) name: Name,
     pub(super) at: Name,
+    #[serde(default = "curve_alone")]
     pub(super) formula: Name,
+    pub(super) curve: Option<Spanned<RawCurve>>,
     #[serde(default)]
     pub(super) parameters: Ordered<Reference>,
     #[serde(default)]
     pub(super) inputs: Ordered<Name>,
     #[serde(default)]
     pub(super) candidate: bool,
+}
+
+/// The formula of a law that is a curve and nothing else.
+fn curve_alone() -> Name {
+    Spanned::new(0..0, crate::formula::CURVE.to_owned())
+}
+
+#[derive(Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { over = \"speed\", at = [0, 50], values = [0, 0.3], unit = \"N m\" }"
+)]
+pub(super) struct RawCurve {
+    pub(super) over: Name,
+    pub(super) at: Spanned<Vec<f64>>,
+    pub(super) at_unit: Option<Name>,
+    pub(super) values: Spanned<Vec<Reference>>,
+    pub(super) unit: Option<Name>,
 }
 
 #[derive(Deserialize)]

@@ -11,6 +11,7 @@ impl Tape {
             let own = match *operation {
                 Operation::Constant(number) => number == 0.0,
                 Operation::Input(_) => false,
+                Operation::Curve => self.curve.as_ref().is_none_or(|curve| curve.vanishes(&is_zero)),
                 Operation::Parameter(parameter) => is_zero(usize::from(parameter)),
                 Operation::Negative(a) | Operation::Divide(a, _) => of(a),
                 Operation::ConstantPower(a, exponent) => exponent > 0.0 && of(a),
@@ -37,6 +38,10 @@ impl Tape {
             let own = match *operation {
                 Operation::Constant(_) | Operation::Input(_) => 0,
                 Operation::Parameter(parameter) => u32::from(set & (1 << parameter) != 0),
+                Operation::Curve => {
+                    let curve = self.curve.as_ref();
+                    u32::from(curve.is_some_and(|curve| curve.depends_on(|own| set & (1 << own) != 0)))
+                }
                 Operation::Negative(a) | Operation::ConstantPower(a, 1.0) => of(a),
                 Operation::Add(a, b) | Operation::Subtract(a, b) => of(a).max(of(b)),
                 Operation::Multiply(a, b) => (of(a) + of(b)).min(2),
@@ -108,7 +113,8 @@ impl Tape {
                 | Operation::ConstantPower(..)
                 | Operation::Function(..)
                 | Operation::Min(..)
-                | Operation::Max(..) => 0.0,
+                | Operation::Max(..)
+                | Operation::Curve => 0.0,
             };
             slopes.push(own);
         }

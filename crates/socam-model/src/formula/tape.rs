@@ -1,6 +1,6 @@
 //! A formula compiled to a list of operations, evaluated with exact derivatives by a forward and a backward pass, without allocation.
 
-use super::{FUNCTIONS, Step, What};
+use super::{CURVE, Curve, FUNCTIONS, Step, What};
 
 /// Most operations of a compiled formula: the work space of an evaluation lies on the stack.
 pub(crate) const MOST_OPERATIONS: usize = 120;
@@ -22,6 +22,8 @@ pub(super) enum Operation {
     Function(Function, u8),
     Min(u8, u8),
     Max(u8, u8),
+    /// The law's curve.
+    Curve,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,12 +56,18 @@ const OF_ONE: [Function; 9] = [
 #[derive(Debug, PartialEq)]
 pub struct Tape {
     pub(super) operations: Vec<Operation>,
+    pub(super) curve: Option<Curve>,
 }
 
 impl Tape {
-    /// Compiles steps; inputs and parameters are found by their names. `None` where a name is unknown, and for more than
+    /// Compiles steps; inputs and parameters are found by their names, and the name [`CURVE`] is the curve. `None` where a name is unknown, and for more than
     /// [`MOST_OPERATIONS`].
-    pub(crate) fn new(steps: &[Step], inputs: &[&str], parameters: &[&str]) -> Option<Self> {
+    pub(crate) fn new(
+        steps: &[Step],
+        inputs: &[&str],
+        parameters: &[&str],
+        curve: Option<Curve>,
+    ) -> Option<Self> {
         let index = |names: &[&str], name: &str| {
             let at = names.iter().position(|known| *known == name)?;
             u8::try_from(at).ok()
@@ -70,6 +78,7 @@ impl Tape {
             let operation = match &step.what {
                 What::Number(number) => Operation::Constant(*number),
                 What::Name(name) if name == "pi" => Operation::Constant(std::f64::consts::PI),
+                What::Name(name) if name == CURVE && curve.is_some() => Operation::Curve,
                 What::Name(name) => match index(inputs, name) {
                     Some(input) => Operation::Input(input),
                     None => Operation::Parameter(index(parameters, name)?),
@@ -108,7 +117,7 @@ impl Tape {
             stack.push(u8::try_from(operations.len()).ok()?);
             operations.push(operation);
         }
-        (stack.len() == 1).then_some(Self { operations })
+        (stack.len() == 1).then_some(Self { operations, curve })
     }
 
     /// Value of each operation.
@@ -130,9 +139,15 @@ impl Tape {
                 Operation::Function(function, a) => function.value(of(a)),
                 Operation::Min(a, b) => of(a).min(of(b)),
                 Operation::Max(a, b) => of(a).max(of(b)),
+                Operation::Curve => self.curve_at(inputs, parameters).0,
             };
         }
         values
+    }
+
+    /// Value and slope of the curve.
+    fn curve_at(&self, inputs: &[f64], parameters: &[f64]) -> (f64, f64) {
+        self.curve.as_ref().map_or((0.0, 0.0), |curve| curve.evaluate(inputs[curve.input], parameters))
     }
 
     /// The formula's value. Its derivatives with respect to inputs and parameters are added to the two lists.
@@ -183,6 +198,12 @@ impl Tape {
                 Operation::Function(function, a) => add(a, function.derivative(of(a), values[index])),
                 Operation::Min(a, b) => add(if of(a) <= of(b) { a } else { b }, 1.0),
                 Operation::Max(a, b) => add(if of(a) >= of(b) { a } else { b }, 1.0),
+                Operation::Curve => {
+                    if let Some(curve) = &self.curve {
+                        by_input[curve.input] += own * self.curve_at(inputs, parameters).1;
+                        curve.add_derivatives(inputs[curve.input], own, by_parameter);
+                    }
+                }
             }
         }
         values[last]

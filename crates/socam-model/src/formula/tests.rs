@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::*;
 
 fn tape(text: &str) -> Tape {
-    Tape::new(&parse(text).unwrap(), &["speed", "load"], &["a", "b", "c"]).unwrap()
+    Tape::new(&parse(text).unwrap(), &["speed", "load"], &["a", "b", "c"], None).unwrap()
 }
 
 fn value(tape: &Tape, inputs: [f64; 2], parameters: [f64; 3]) -> (f64, [f64; 5]) {
@@ -160,12 +160,78 @@ proptest! {
             Err(problem) => prop_assert!(!problem.problem.is_empty() && problem.character <= text.chars().count() + 1),
             Ok(steps) => {
                 let _ = check(&text, &steps, &["1"], &|_| Some([0.5; 5]));
-                if let Some(tape) = Tape::new(&steps, &["s", "d"], &["a", "b", "p"]) {
+                if let Some(tape) = Tape::new(&steps, &["s", "d"], &["a", "b", "p"], None) {
                     let _ = value(&tape, [0.0, -1e300], [0.0, 1e300, f64::MIN_POSITIVE]);
                     let _ = (tape.amplitudes(3), tape.transition(&[0.0; 2], &[0.0; 3]));
                 }
                 prop_assert!(Formula::parse(&text).is_ok());
             }
         }
+    }
+}
+
+/// The value of a formula of a curve.
+fn number(formula: &Formula, named: &dyn Fn(&str) -> f64) -> f64 {
+    let of = |inner: &Formula| number(inner, named);
+    match formula {
+        Formula::Number(number) => *number,
+        Formula::Name(name) => named(name),
+        Formula::Negative(inner) => -of(inner),
+        Formula::Binary('+', left, right) => of(left) + of(right),
+        Formula::Binary('-', left, right) => of(left) - of(right),
+        Formula::Binary(_, left, right) => of(left) * of(right),
+        Formula::Call(name, own) if name == "min" => of(&own[0]).min(of(&own[1])),
+        Formula::Call(_, own) => of(&own[0]).max(of(&own[1])),
+    }
+}
+
+#[test]
+fn a_curve_is_smooth_passes_its_points_and_equals_its_formula() {
+    let (inputs, parameters) = (["speed", "load"], ["a", "b", "c"]);
+    let curves = [
+        Curve { input: 0, at: vec![-1.0, 0.5, 2.0], values: Values::Parameters(vec![0, 1, 2]) },
+        Curve {
+            input: 0,
+            at: vec![-1.0, -0.2, 0.3, 1.0],
+            values: Values::Numbers(vec![0.5, -2.0, 1e-3, 4.0]),
+        },
+        Curve { input: 0, at: vec![-1.0, 1.0], values: Values::Parameters(vec![2, 0]) },
+    ];
+    for curve in curves {
+        let written = Formula::parse(&curve.formula("speed", &parameters)).unwrap();
+        let text = "-curve*load";
+        let own = Tape::new(&parse(text).unwrap(), &inputs, &parameters, Some(curve.clone())).unwrap();
+        let p = [0.3, -0.8, 1.4];
+        for x in [-3.0, -1.0, -0.6, -0.2, 0.1, 0.5, 0.9, 1.0, 1.7, 2.0, 5.0] {
+            let (found, derivatives) = value(&own, [x, -1.0], p);
+            let at = |p: [f64; 3]| {
+                number(&written, &|name| match parameters.iter().position(|own| *own == name) {
+                    Some(index) => p[index],
+                    None => x,
+                })
+            };
+            assert!((found - at(p)).abs() < 1e-12 * (1.0 + found.abs()), "{x}: {found}, {}", at(p));
+            for index in 0..3 {
+                let mut moved = p;
+                moved[index] += 1.0;
+                let difference = at(moved) - at(p);
+                assert!(
+                    (derivatives[2 + index] - difference).abs() < 1e-9,
+                    "{x}: {derivatives:?}, {difference}"
+                );
+            }
+            // Its slope is continuous.
+            for side in [-1e-7, 1e-7] {
+                let difference = (value(&own, [x + side, -1.0], p).0 - found) / side;
+                assert!((derivatives[0] - difference).abs() < 1e-5, "{x}: {}, {difference}", derivatives[0]);
+            }
+        }
+        assert_eq!(own.amplitudes(3).len(), if curve.depends_on(|_| true) { curve.at.len() } else { 0 });
+    }
+    // A parabola is followed in the middle, and a line everywhere.
+    let line = Curve { input: 0, at: vec![0.0, 1.0, 5.0], values: Values::Numbers(vec![1.0, 3.0, 11.0]) };
+    for x in [-2.0, 0.3, 3.0, 9.0] {
+        let (value, slope) = line.evaluate(x, &[]);
+        assert!((value - 1.0 - 2.0 * x).abs() < 1e-12 && (slope - 2.0).abs() < 1e-12);
     }
 }

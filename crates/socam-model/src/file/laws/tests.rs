@@ -188,10 +188,47 @@ fn what_is_no_law_is_explained() {
     assert!(Model::parse(&text(BRAKE, &bent, "")).is_ok());
     let bent = law("load_bearing", "-(friction^2)^0.5*tanh(speed/width)", "candidate = true");
     assert!(error(BRAKE, &bent, "").contains("a candidate needs parameters in which its formula is linear"));
-    let names: Vec<String> = (0..9).map(|index| format!("p{index}")).collect();
+    let names: Vec<String> = (0..11).map(|index| format!("p{index}")).collect();
     let parameters: String =
         names.iter().map(|name| format!("{name} = {{ value = 1, unit = \"N m\" }}\n")).collect();
-    assert!(error(&parameters, &law("load_bearing", &names.join("+"), ""), "").contains("9 parameters"));
+    assert!(error(&parameters, &law("load_bearing", &names.join("+"), ""), "").contains("11 parameters"));
     let zero = BRAKE.replace("value = 5", "value = 0");
     assert!(error(&zero, &twice, LOAD).contains("divides by width, which is 0"));
+}
+
+#[test]
+fn a_curve_is_a_law_with_its_own_factor() {
+    let curve = |more: &str, values: &str| {
+        let more = format!("curve = {{ over = \"load_torque\", at = [-1, 0, 2], values = {values}{more} }}");
+        law("load_bearing", "-curve*tanh(speed/width)", &more)
+    };
+    let named = curve("", "[\"friction\", \"low\", \"friction\"]");
+    let parameters = format!("{BRAKE}\nlow = {{ value = 40, unit = \"mN m\" }}");
+    let named = Model::parse(&text(&parameters, &named, LOAD)).unwrap();
+    let effect = named.effects[0].effect;
+    assert_eq!(
+        effect.parameters.iter().map(|own| own.name).collect::<Vec<_>>(),
+        ["width", "value_1", "value_2", "value_3"]
+    );
+    let fixed = curve(", unit = \"mN m\"", "[300, 40, 300]");
+    let fixed = Model::parse(&text(&parameters, &fixed, LOAD)).unwrap();
+    for inputs in [[1.0, -0.4], [0.1, 1.7], [-2.0, 4.0]] {
+        let [a, b] = [&named, &fixed].map(|model| {
+            let port = model.equations(&model.values()).unwrap().ports.remove(0);
+            port.evaluate(&inputs, &port.values(&model.values()))
+        });
+        assert!((a.torque - b.torque).abs() < 1e-15 && (a.derivatives[1] - b.derivatives[1]).abs() < 1e-15);
+    }
+    let refused = |more: &str, values: &str| error(&parameters, &curve(more, values), LOAD);
+    assert!(refused("", "[1, 2, 3]").contains("needs the unit of its values"));
+    assert!(refused(", unit = \"N m\"", "[1, 2]").contains("3 positions in `at` and 2 values"));
+    assert!(
+        refused(", unit = \"N\"", "[1, 2, 3]")
+            .contains("is in \"N\", but at load_bearing it gives a torque in \"N m\"")
+    );
+    assert!(
+        refused(", unit = \"N m\", at_unit = \"rpm\"", "[1, 2, 3]")
+            .contains("at_unit is \"rpm\", but load_torque is in \"N m\"")
+    );
+    assert!(refused("", "[\"friction\", \"width\", \"low\"]").contains("are in \"N m\" and \"rpm\""));
 }
