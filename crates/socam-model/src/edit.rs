@@ -225,16 +225,16 @@ fn add_effect(
     Ok(document.to_string())
 }
 
-fn parsed(text: &str) -> Result<DocumentMut, ModelError> {
+pub(crate) fn parsed(text: &str) -> Result<DocumentMut, ModelError> {
     text.parse().map_err(|e: toml_edit::TomlError| fault(e.message().into()))
 }
 
-fn fault(message: String) -> ModelError {
+pub(crate) fn fault(message: String) -> ModelError {
     ModelError::File { line: 1, message }
 }
 
 /// `name`, or the first of `name_2`, `name_3`, ... that no parameter has.
-fn free_name(document: &DocumentMut, name: &str) -> String {
+pub(crate) fn free_name(document: &DocumentMut, name: &str) -> String {
     let taken = |name: &str| document["parameters"].get(name).is_some();
     let numbered = (2..).map(|number| format!("{name}_{number}"));
     std::iter::once(name.to_owned()).chain(numbered).find(|name| !taken(name)).unwrap_or_default()

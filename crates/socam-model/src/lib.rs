@@ -38,6 +38,7 @@ mod apart;
 mod builtin;
 pub mod drawing;
 mod edit;
+mod edit_laws;
 pub mod effects;
 mod equations;
 mod error;
@@ -51,6 +52,7 @@ mod network;
 mod transform;
 
 pub use builtin::BUILTIN;
+pub use edit_laws::{NewCurve, NewLaw, NewParameter};
 pub use equations::{Equations, Mode, Port};
 pub use error::ModelError;
 pub use file::column_unit;

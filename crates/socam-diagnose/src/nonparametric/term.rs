@@ -62,6 +62,8 @@ pub(crate) struct Unexplained {
     pub(super) term: NonparametricTerm,
     /// Standard error of each height, SI; infinite where the recordings do not determine it.
     pub(super) std: Vec<f64>,
+    /// Fitted heights, SI.
+    pub(super) heights: Vec<f64>,
     /// The last model with the term, at its fit.
     pub(crate) fitted: FittedModel,
     pub(crate) curve: Curve,
