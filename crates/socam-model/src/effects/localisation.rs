@@ -78,7 +78,7 @@ impl Model {
 
 impl Effect {
     /// Names of the places of a model at which a diagnosis tests the effect: those of [`Model::places`] that [`Self::places`] selects, without
-    /// gear contacts and clocks.
+    /// gear contacts, clocks and signals.
     ///
     /// ```
     /// use socam_model::{Model, effects};
@@ -90,7 +90,7 @@ impl Effect {
     /// ```
     #[must_use]
     pub fn places_in(&self, model: &Model) -> Vec<String> {
-        let moves = |input: &Channel| !input.quantity.is_clock();
+        let moves = |input: &Channel| input.quantity.drives();
         let driven = |name: &str| model.inputs().any(|input| moves(input) && input.at == name);
         let prescribed =
             |name: &str| model.inputs().any(|input| input.quantity == Quantity::Speed && input.at == name);
@@ -104,7 +104,7 @@ impl Effect {
         };
         let channel = |name: &str| model.channels.iter().find(|channel| channel.name == name);
         let all = model.places(self).into_iter().filter(|place| is_part(place));
-        let is_sensor = |place: &str| channel(place).is_some_and(|c| !c.quantity.is_clock());
+        let is_sensor = |place: &str| channel(place).is_some_and(|c| c.quantity.drives());
         let mut all = all.filter(|place| self.acts_at != ActsAt::Channel || is_sensor(place));
         let kept: Vec<&str> = match self.places {
             Places::Every | Places::Channels | Places::Inputs | Places::Only(_) => all.collect(),

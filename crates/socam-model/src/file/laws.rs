@@ -66,6 +66,7 @@ impl Reader<'_> {
         let curve = raw.curve.as_ref().map(|curve| self.curve(&raw, curve, &over)).transpose()?;
         self.check_counts(&raw, &names, curve.as_ref())?;
         self.check_units(&raw, acts_at, &steps, (&names, curve.as_ref()), model)?;
+        self.check_keys_are_used(&raw, &names)?;
         let mut parameters: Vec<(String, usize)> =
             names.parameters().map(|(name, index)| (name.to_owned(), index)).collect();
         parameters.extend(curve.iter().flat_map(ReadCurve::parameters));
@@ -172,10 +173,6 @@ impl Reader<'_> {
                     ),
                 );
             }
-            let is_used = |step: &Step| matches!(&step.what, What::Name(name) if name == label);
-            if !steps.iter().any(is_used) {
-                return self.fail(key, format!("the formula of the law {law} does not name {label}; remove it from {table}, or use it"));
-            }
         }
         let mut names = Names { found: Vec::new() };
         for step in steps {
@@ -247,7 +244,9 @@ impl Reader<'_> {
             }
         }
         let known: Vec<&str> = of_place.iter().map(|(symbol, ..)| *symbol).collect();
-        let all = known.iter().copied().chain(self.parameters.iter().map(|own| own.name.as_str()));
+        let keys = raw.parameters.0.iter().map(|(key, _)| key).chain(raw.inputs.0.iter().map(|(key, _)| key));
+        let all = known.iter().copied().chain(keys.map(|key| key.get_ref().as_str()));
+        let all = all.chain(self.parameters.iter().map(|own| own.name.as_str()));
         let meant = meant(name, all.chain(model.channels.iter().map(|own| own.name.as_str())));
         let problem = format!(
             "there is no {name} at {}{meant}; the formula may name {}, keys of parameters and inputs, [parameters] and channels",
@@ -266,6 +265,20 @@ impl Reader<'_> {
                 own.unit = formula::unit_of(powers, &usual);
             }
         }
+    }
+
+    /// Refuses keys of `parameters` and `inputs` that the formula does not name.
+    fn check_keys_are_used(&self, raw: &RawLaw, names: &Names<'_>) -> Result<(), ModelError> {
+        let parameters = raw.parameters.0.iter().map(|(key, _)| ("parameters", key));
+        let mut keys = parameters.chain(raw.inputs.0.iter().map(|(key, _)| ("inputs", key)));
+        let unused = keys.find(|(_, key)| !names.found.iter().any(|(name, _)| name == key.get_ref()));
+        let Some((table, key)) = unused else { return Ok(()) };
+        let message = format!(
+            "the formula of the law {} does not name {}; remove it from {table}, or use it",
+            raw.name.get_ref(),
+            key.get_ref()
+        );
+        self.fail(key, message)
     }
 
     /// What a curve is drawn over.

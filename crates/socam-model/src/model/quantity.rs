@@ -48,6 +48,12 @@ impl Quantity {
         matches!(self, Self::Time | Self::Turned | Self::Change)
     }
 
+    /// Whether an input of this quantity drives the model: every one but clocks and signals, which only laws read.
+    #[must_use]
+    pub fn drives(self) -> bool {
+        !self.is_clock() && self != Self::Signal
+    }
+
     /// Whether the values of an input of this quantity are taken as exact: clocks, set points and signals.
     #[must_use]
     pub fn is_exact(self) -> bool {

@@ -109,7 +109,7 @@ impl Assembly<'_> {
         let name = &model.nodes[node].name;
         let bearing = model.bearings.iter().any(|bearing| bearing.node == node);
         let servo = model.servo.as_ref().is_some_and(|servo| servo.node == node);
-        let driven = model.inputs().any(|input| input.at == *name && !input.quantity.is_clock());
+        let driven = model.inputs().any(|input| input.at == *name && input.quantity.drives());
         let effect = model.effects.iter().any(|used| used.place == *name);
         let motor = model.motors.iter().any(|motor| motor.node == node);
         let mixed = model.differentials.iter().any(|d| d.to == node || d.from.contains(&node));

@@ -172,6 +172,12 @@ fn what_is_no_law_is_explained() {
     assert!(long.contains("more than 1000 characters"), "{long}");
     let many = brake(&format!("friction{}", "*1".repeat(200)));
     assert!(many.contains("at most 120 are read"), "{many}");
+    let typo = law(
+        "load_bearing",
+        "-friction*tanh(lod/t)",
+        "inputs = { load = \"load_torque\" }\nparameters = { t = \"friction\" }",
+    );
+    assert!(error(BRAKE, &typo, LOAD).contains("there is no lod at a bearing (is `load` meant?)"));
     let with = |more: &str| error(BRAKE, &law("load_bearing", "-friction*tanh(speed/width)", more), LOAD);
     assert!(with("inputs = { load = \"load_torque\" }").contains("does not name load"));
     assert!(with("parameters = { speed = \"width\" }").contains("speed has a meaning"));
