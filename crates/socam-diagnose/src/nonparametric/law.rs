@@ -21,7 +21,7 @@ impl Unexplained {
     pub(crate) fn law(&self) -> NewLaw {
         let is = |effect: &_| std::ptr::eq(self.term.effect, effect);
         let (factor, sum) = (self.factor(), self.sum());
-        let resists = [&BEARING_SPEED, &BEARING_ANGLE, &BEARING_TIME].into_iter().any(|effect| is(effect));
+        let resists = [&BEARING_SPEED, &BEARING_ANGLE, &BEARING_TIME].into_iter().any(is);
         let minus = if resists || self.action() == Action::Friction { "-" } else { "" };
         let curve = (!self.term.is_by_turn()).then(|| NewCurve {
             over: if is(&BEARING_SPEED) {

@@ -1,5 +1,10 @@
 //! `[[laws]]`: formulas of the file's author as laws of the model, with their units checked.
 
+mod names;
+#[cfg(test)]
+mod tests;
+mod units;
+
 use toml::Spanned;
 
 use super::{
@@ -10,34 +15,14 @@ use super::{
 };
 use crate::{
     CandidateLaw, Model, ModelError,
-    effects::{
-        self, ActsAt, Effect, LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS, OwnInput, OwnLaw, OwnParameter,
-        QuantityKind,
-    },
-    formula::{self, CURVE, FUNCTIONS, FormulaProblem, Step, What},
+    effects::{self, ActsAt, Effect, OwnInput, OwnLaw, OwnParameter},
+    formula::{self, FormulaProblem, Step, What},
 };
+
+use names::{Meaning, Names, symbols};
 
 /// Longest formula, bytes.
 const LONGEST: usize = 1000;
-/// Names with a meaning of their own in every formula, beside those of functions.
-const RESERVED: [&str; 5] = ["pi", "through", "change", "state", CURVE];
-
-/// A name of a formula.
-enum Meaning {
-    Place(LawInput),
-    /// Index of a channel.
-    Channel(usize),
-    /// Index of a parameter of the model.
-    Parameter(usize),
-    /// The law's curve.
-    Curve,
-}
-
-/// A formula while it is read: its names and what they mean, in the order in which they occur.
-struct Names<'t> {
-    found: Vec<(&'t str, Meaning)>,
-}
-
 impl Reader<'_> {
     /// Reads a law; adds it to the model's effects, or to its candidates.
     pub(super) fn law(&mut self, mut raw: RawLaw, model: &mut Model) -> Result<(), ModelError> {
@@ -92,7 +77,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn in_formula(&self, raw: &RawLaw, problem: &FormulaProblem) -> ModelError {
+    pub(super) fn in_formula(&self, raw: &RawLaw, problem: &FormulaProblem) -> ModelError {
         let message = format!("laws.{}.formula, {problem}", raw.name.get_ref());
         ModelError::File { line: line_of(self.text, raw.formula.span().start), message }
     }
@@ -142,267 +127,6 @@ impl Reader<'_> {
                 names.join(", ")
             ),
         )
-    }
-
-    /// What each name of the formula means.
-    fn names<'r>(
-        &mut self,
-        raw: &'r RawLaw,
-        acts_at: ActsAt,
-        steps: &'r [Step],
-        model: &Model,
-    ) -> Result<Names<'r>, ModelError> {
-        let law = raw.name.get_ref();
-        let own =
-            |table: &'static str, names: Vec<&'r Name>| names.into_iter().map(move |name| (table, name));
-        let keys: Vec<(&str, &Name)> =
-            own("parameters", raw.parameters.0.iter().map(|(name, _)| name).collect())
-                .chain(own("inputs", raw.inputs.0.iter().map(|(name, _)| name).collect()))
-                .collect();
-        for (index, (table, key)) in keys.iter().enumerate() {
-            let label = key.get_ref().as_str();
-            let is_taken = RESERVED.contains(&label)
-                || FUNCTIONS.iter().any(|(name, _)| *name == label)
-                || symbols(acts_at).iter().any(|(name, ..)| *name == label)
-                || keys[..index].iter().any(|(_, other)| other.get_ref() == label);
-            if is_taken {
-                return self.fail(
-                    key,
-                    format!(
-                        "{label} has a meaning in this formula already; give the key of {table} another name"
-                    ),
-                );
-            }
-        }
-        let mut names = Names { found: Vec::new() };
-        for step in steps {
-            let What::Name(name) = &step.what else {
-                if matches!(step.what, What::Call(function) if FUNCTIONS[function].0 == "sign") {
-                    let problem = "sign jumps where its argument is 0, and no motion does; write tanh(x/width) with a width as a parameter";
-                    return Err(
-                        self.in_formula(raw, &FormulaProblem::at(raw.formula.get_ref(), step.at, problem))
-                    );
-                }
-                continue;
-            };
-            if name != "pi" && !names.found.iter().any(|(known, _)| known == name) {
-                let meaning = self.meaning(raw, acts_at, (name, step.at), model)?;
-                names.found.push((name, meaning));
-            }
-        }
-        if let Some(curve) = &raw.curve {
-            let over = curve.get_ref().over.get_ref();
-            if !names.found.iter().any(|(_, meaning)| matches!(meaning, Meaning::Curve)) {
-                return self.fail(&raw.formula, format!("the formula of the law {law} does not name its curve; write curve in it, or leave formula out"));
-            }
-            if !names.found.iter().any(|(known, _)| known == over) {
-                let meaning = self.input_over(raw, acts_at, &curve.get_ref().over, model)?;
-                names.found.push((over, meaning));
-            }
-        }
-        self.name_units(&names);
-        Ok(names)
-    }
-
-    fn meaning(
-        &mut self,
-        raw: &RawLaw,
-        acts_at: ActsAt,
-        (name, at): (&str, usize),
-        model: &Model,
-    ) -> Result<Meaning, ModelError> {
-        let channel = |name: &str| model.channels.iter().position(|channel| channel.name == name);
-        if name == CURVE && raw.curve.is_some() {
-            return Ok(Meaning::Curve);
-        }
-        if let Some((_, reference)) = raw.parameters.0.iter().find(|(key, _)| key.get_ref() == name) {
-            return self.parameter(name, reference, QuantityKind::Gain).map(Meaning::Parameter);
-        }
-        if let Some((_, given)) = raw.inputs.0.iter().find(|(key, _)| key.get_ref() == name) {
-            let Some(index) = channel(given.get_ref()) else {
-                let known: Vec<&str> = model.channels.iter().map(|channel| channel.name.as_str()).collect();
-                let meant = meant(given.get_ref(), known.iter().copied());
-                let message = format!(
-                    "there is no channel \"{}\"{meant}; channels are {}",
-                    given.get_ref(),
-                    known.join(", ")
-                );
-                return self.fail(given, message);
-            };
-            return Ok(Meaning::Channel(index));
-        }
-        let of_place = symbols(acts_at);
-        if let Some((_, input, _)) = of_place.iter().find(|(symbol, ..)| *symbol == name) {
-            return Ok(Meaning::Place(*input));
-        }
-        if !RESERVED.contains(&name) {
-            if let Some(index) = self.parameters.iter().position(|parameter| parameter.name == name) {
-                return Ok(Meaning::Parameter(index));
-            }
-            if let Some(index) = channel(name) {
-                return Ok(Meaning::Channel(index));
-            }
-        }
-        let known: Vec<&str> = of_place.iter().map(|(symbol, ..)| *symbol).collect();
-        let keys = raw.parameters.0.iter().map(|(key, _)| key).chain(raw.inputs.0.iter().map(|(key, _)| key));
-        let all = known.iter().copied().chain(keys.map(|key| key.get_ref().as_str()));
-        let all = all.chain(self.parameters.iter().map(|own| own.name.as_str()));
-        let meant = meant(name, all.chain(model.channels.iter().map(|own| own.name.as_str())));
-        let problem = format!(
-            "there is no {name} at {}{meant}; the formula may name {}, keys of parameters and inputs, [parameters] and channels",
-            acts_at.noun(),
-            known.join(", ")
-        );
-        Err(self.in_formula(raw, &FormulaProblem::at(raw.formula.get_ref(), at, problem)))
-    }
-
-    /// Calls the SI units of parameters that the file gives in others by their usual names: a width in rpm is in rad/s, and not in 1/s.
-    fn name_units(&mut self, names: &Names<'_>) {
-        let usual = self.usual_units();
-        for (_, index) in names.parameters() {
-            let own = &mut self.parameters[index];
-            if let Some(powers) = formula::powers_of(&own.file_unit).filter(|_| own.unit != own.file_unit) {
-                own.unit = formula::unit_of(powers, &usual);
-            }
-        }
-    }
-
-    /// Refuses keys of `parameters` and `inputs` that the formula does not name.
-    fn check_keys_are_used(&self, raw: &RawLaw, names: &Names<'_>) -> Result<(), ModelError> {
-        let parameters = raw.parameters.0.iter().map(|(key, _)| ("parameters", key));
-        let mut keys = parameters.chain(raw.inputs.0.iter().map(|(key, _)| ("inputs", key)));
-        let unused = keys.find(|(_, key)| !names.found.iter().any(|(name, _)| name == key.get_ref()));
-        let Some((table, key)) = unused else { return Ok(()) };
-        let message = format!(
-            "the formula of the law {} does not name {}; remove it from {table}, or use it",
-            raw.name.get_ref(),
-            key.get_ref()
-        );
-        self.fail(key, message)
-    }
-
-    /// What a curve is drawn over.
-    fn input_over(
-        &mut self,
-        raw: &RawLaw,
-        acts_at: ActsAt,
-        over: &Name,
-        model: &Model,
-    ) -> Result<Meaning, ModelError> {
-        let label = over.get_ref().as_str();
-        match self.meaning(raw, acts_at, (label, 0), model) {
-            Ok(meaning @ (Meaning::Place(_) | Meaning::Channel(_))) => Ok(meaning),
-            _ => {
-                let known: Vec<&str> = symbols(acts_at).iter().map(|(symbol, ..)| *symbol).collect();
-                let all = known.iter().copied().chain(model.channels.iter().map(|own| own.name.as_str()));
-                let message = format!(
-                    "laws.{}.curve is over \"{label}\", which is no input at {}{}; write over = one of {}, or the name of a channel",
-                    raw.name.get_ref(),
-                    acts_at.noun(),
-                    meant(label, all.collect::<Vec<_>>().into_iter()),
-                    known.join(", ")
-                );
-                self.fail(over, message)
-            }
-        }
-    }
-
-    /// SI unit of what a law's curve is drawn over.
-    fn unit_over(&self, raw: &RawLaw, acts_at: ActsAt, names: &Names<'_>, model: &Model) -> String {
-        let over = raw.curve.as_ref().map_or("", |curve| curve.get_ref().over.get_ref().as_str());
-        let meaning = names.found.iter().find(|(name, _)| *name == over).map(|(_, meaning)| meaning);
-        match meaning {
-            Some(Meaning::Channel(index)) => model.channels[*index].unit.to_owned(),
-            Some(Meaning::Place(LawInput::Reading)) => channel_unit(raw, model).to_owned(),
-            Some(Meaning::Place(input)) => {
-                let kind = symbols(acts_at).into_iter().find(|(_, own, _)| own == input);
-                kind.map_or("1", |(.., kind)| kind.unit(self.rotational)).to_owned()
-            }
-            _ => "1".to_owned(),
-        }
-    }
-
-    fn check_counts(
-        &self,
-        raw: &RawLaw,
-        names: &Names<'_>,
-        curve: Option<&ReadCurve>,
-    ) -> Result<(), ModelError> {
-        let of_formula = names.parameters().count();
-        let parameters = of_formula + curve.map_or(0, |curve| curve.parameters().count());
-        let is_input = |meaning: &Meaning| matches!(meaning, Meaning::Place(_) | Meaning::Channel(_));
-        let inputs = names.found.iter().filter(|(_, own)| is_input(own)).count();
-        let over = |what: &str, found: usize, most: usize| {
-            let message = format!(
-                "laws.{}.formula has {found} {what}, and a law has at most {most}; write it as several laws",
-                raw.name.get_ref()
-            );
-            self.fail(&raw.formula, message)
-        };
-        if parameters > MAX_PARAMETERS {
-            return over("parameters", parameters, MAX_PARAMETERS);
-        }
-        if inputs > MAX_LAW_INPUTS {
-            return over("inputs", inputs, MAX_LAW_INPUTS);
-        }
-        Ok(())
-    }
-
-    fn check_units(
-        &self,
-        raw: &RawLaw,
-        acts_at: ActsAt,
-        steps: &[Step],
-        (names, curve): (&Names<'_>, Option<&ReadCurve>),
-        model: &Model,
-    ) -> Result<(), ModelError> {
-        let unit = |kind: QuantityKind| kind.unit(self.rotational);
-        let powers = |unit: &str| formula::powers_of(unit).unwrap_or_default();
-        let named = |name: &str| {
-            let (_, meaning) = names.found.iter().find(|(known, _)| *known == name)?;
-            Some(match meaning {
-                Meaning::Place(LawInput::Reading) => powers(channel_unit(raw, model)),
-                Meaning::Place(input) => {
-                    let (.., kind) = symbols(acts_at).into_iter().find(|(_, own, _)| own == input)?;
-                    powers(unit(kind))
-                }
-                Meaning::Channel(index) => powers(model.channels[*index].unit),
-                Meaning::Parameter(index) => powers(&self.parameters[*index].file_unit),
-                Meaning::Curve => powers(curve.map_or("1", |curve| curve.unit.as_str())),
-            })
-        };
-        let usual = self.usual_units();
-        let found = formula::check(raw.formula.get_ref(), steps, &usual, &named)
-            .map_err(|problem| self.in_formula(raw, &problem))?;
-        let (what, wanted) = match acts_at {
-            ActsAt::Channel => ("a reading", channel_unit(raw, model)),
-            _ if self.rotational => ("a torque", "N m"),
-            _ => ("a force", "N"),
-        };
-        if found.is(powers(wanted)) {
-            return Ok(());
-        }
-        let (own, wanted_powers) = (found.powers(), powers(wanted));
-        let missing = std::array::from_fn(|index| wanted_powers[index] - own[index]);
-        let message = format!(
-            "laws.{}.formula is in \"{}\", but at {} it gives {what} in \"{wanted}\"; a factor in \"{}\" is missing",
-            raw.name.get_ref(),
-            formula::unit_of(own, &usual),
-            raw.at.get_ref(),
-            formula::unit_of(missing, &usual)
-        );
-        self.fail(&raw.formula, message)
-    }
-
-    /// Units by which a formula's units are called.
-    fn usual_units(&self) -> Vec<&'static str> {
-        use QuantityKind::{Angle, Damping, Drag, Inertia, Ratio, Speed, Stiffness, Time, Torque};
-        let kinds = [Ratio, Torque, Speed, Angle, Inertia, Stiffness, Damping, Drag, Time];
-        kinds
-            .iter()
-            .map(|kind| kind.unit(self.rotational))
-            .chain(["m", "N", "N m/s", "A", "V", "K"])
-            .collect()
     }
 
     fn own_effect(
@@ -506,43 +230,6 @@ impl Reader<'_> {
     }
 }
 
-impl<'t> Names<'t> {
-    /// Names of parameters and their indices in the model.
-    fn parameters(&self) -> impl Iterator<Item = (&'t str, usize)> + '_ {
-        self.found.iter().filter_map(|(name, meaning)| match meaning {
-            Meaning::Parameter(index) => Some((*name, *index)),
-            Meaning::Place(_) | Meaning::Channel(_) | Meaning::Curve => None,
-        })
-    }
-}
-
-/// Inputs that a kind of place has: name in a formula, input, quantity.
-fn symbols(acts_at: ActsAt) -> Vec<(&'static str, LawInput, QuantityKind)> {
-    use QuantityKind as Kind;
-    let speed = ("speed", LawInput::Speed, Kind::Speed);
-    let angle = ("angle", LawInput::Angle, Kind::Angle);
-    let twist = ("twist", LawInput::Twist, Kind::Angle);
-    let rate = ("twist_rate", LawInput::TwistRate, Kind::Speed);
-    let torque = ("torque", LawInput::Torque, Kind::Torque);
-    let time = ("time", LawInput::Time, Kind::Time);
-    match acts_at {
-        ActsAt::Bearing | ActsAt::Node => vec![speed, angle, time],
-        ActsAt::Spring => vec![twist, rate, torque, time],
-        ActsAt::Gear => vec![speed, angle, torque, time],
-        ActsAt::Channel => vec![("reading", LawInput::Reading, Kind::Gain), angle, time],
-        ActsAt::Shaft => Vec::new(),
-    }
-}
-
-/// Unit of the channel at which a law acts.
-fn channel_unit(raw: &RawLaw, model: &Model) -> &'static str {
-    model
-        .channels
-        .iter()
-        .find(|channel| channel.name == *raw.at.get_ref())
-        .map_or("1", |channel| channel.unit)
-}
-
 /// The formula with the places' inputs by their names in laws: a user's `torque` is `through` there.
 fn renamed(text: &str, steps: &[Step], names: &Names<'_>) -> String {
     let mut out = text.to_owned();
@@ -555,6 +242,3 @@ fn renamed(text: &str, steps: &[Step], names: &Names<'_>) -> String {
     }
     out
 }
-
-#[cfg(test)]
-mod tests;
