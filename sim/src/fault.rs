@@ -87,11 +87,12 @@ impl FaultyChannel {
                     | LawInput::TwistRate
                     | LawInput::Torque
                     | LawInput::Change
-                    | LawInput::State => f64::NAN,
+                    | LawInput::State
+                    | LawInput::Channel { .. } => f64::NAN,
                 };
                 let additions = laws.iter().filter(|law| law.acts == Acts::Reading).map(|law| {
                     let law_inputs: Vec<f64> = law.law_inputs.iter().map(input).collect();
-                    (law.evaluate)(&law_inputs, values).torque
+                    law.evaluate(&law_inputs, values).torque
                 });
                 truth + additions.sum::<f64>()
             }

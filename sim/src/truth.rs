@@ -72,7 +72,7 @@ fn faulty_channel(model: &Model, hidden: &Concealed) -> Result<String, SimError>
 fn conceal(model: &Model, hidden: &Concealed) -> Result<Model, SimError> {
     let fail = |problem: String| Err(SimError::argument(hidden.to_string(), problem));
     let given = hidden.parameters.iter().map(|given| given.name.as_str());
-    let Some(effect) = effects::find_with(&hidden.effect, given) else {
+    let Some(effect) = model.effect_with(&hidden.effect, given) else {
         let known: Vec<_> = effects::CATALOGUE.iter().map(|effect| effect.id).collect();
         return fail(format!("there is no effect `{}`; effects are {}", hidden.effect, known.join(", ")));
     };
@@ -85,7 +85,9 @@ fn conceal(model: &Model, hidden: &Concealed) -> Result<Model, SimError> {
             places.join(", ")
         ));
     }
-    hidden.check_parameters(effect, &effects::parameters_of(effect.id))?;
+    let own: Vec<&str> = effect.parameters.iter().map(|own| own.name).collect();
+    let names = if effect.is_own() { own } else { effects::parameters_of(effect.id) };
+    hidden.check_parameters(effect, &names)?;
     let values: Vec<(&str, f64)> =
         hidden.parameters.iter().map(|given| (given.name.as_str(), given.value)).collect();
     let changed = model.with_effect(effect.id, &hidden.place, &values);

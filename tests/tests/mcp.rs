@@ -14,7 +14,7 @@ fn bench() -> tempfile::TempDir {
     for (name, seed) in [("a.mcap", "1"), ("b.mcap", "2")] {
         let path = folder.path().join(name).display().to_string();
         let hidden = "coulomb_friction@load_bearing:torque=0.3";
-        run([
+        let _ = run([
             "simulate",
             "--profile",
             "multisine",

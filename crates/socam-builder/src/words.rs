@@ -32,7 +32,7 @@ pub(crate) struct Words {
 const KEYS: [&str; 3] = ["span", "width", "pitch"];
 
 pub(crate) fn dimension(unit: &str) -> Dimension {
-    socam_units::parse(unit).map_or([0; 4], |unit| unit.dimension)
+    socam_units::parse(unit).map_or([0; 5], |unit| unit.dimension)
 }
 
 impl Words {

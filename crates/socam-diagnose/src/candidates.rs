@@ -20,9 +20,10 @@ pub(crate) fn all(model: &Model, scales: &Scales) -> Vec<Candidate> {
     let mut found = Vec::new();
     // Effects that are periodic in the angle need a rotating model.
     let turns = model.motion == Motion::Rotation;
-    for effect in effects::screened().filter(|effect| turns || !effect.is_by_turn()) {
+    let own = model.candidates.iter().map(|law| law.effect);
+    for effect in effects::screened().chain(own).filter(|effect| turns || !effect.is_by_turn()) {
         for place in effect.places_in(model) {
-            let starts = (effect.starts)(&scales.rig, &place);
+            let starts = effect.starts_in(&scales.rig, &place);
             let speed = scales.rig.speed_at(effect.acts_at, &place);
             let with = |start| Candidate { speed, ..Candidate::new(effect, &place, start) };
             found.extend(starts.into_iter().map(with));
@@ -54,7 +55,7 @@ pub(crate) fn large_starts(candidate: &Candidate, rig: &Rig) -> Vec<Candidate> {
 /// Starts with usual amplitudes at the candidate's own grid point; of a wave, at several phases. Empty for a wave of one of many orders or
 /// frequencies. (`Effect::large_starts` covers all grid points instead.)
 pub(crate) fn usual_starts(candidate: &Candidate, rig: &Rig) -> Vec<Candidate> {
-    let priors = (candidate.effect.priors)(rig, &candidate.place);
+    let priors = candidate.effect.priors_in(rig, &candidate.place);
     let quantile =
         |name: &str, share: f64| priors.iter().find(|(known, _)| *known == name)?.1.quantile(share);
     let at_quantile = |share: &f64| -> Option<Candidate> {

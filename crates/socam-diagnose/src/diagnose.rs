@@ -17,6 +17,7 @@ use crate::{
     pictures::{self, Pair},
     preprocessing::{self, connected, preprocessed},
     proof::Proof,
+    selection::Path,
 };
 
 /// Largest number of iterations of the base model's fit from its best start. The fit only has to come near the optimum: with missing
@@ -121,6 +122,7 @@ pub fn diagnose(
     let corrected = &path.last.model;
     let source = if path.unexamined.is_none() { "diagnosis" } else { "unfinished diagnosis" };
     let model_toml = corrected.text_with(&updates(corrected, after, source))?;
+    let model_toml = with_curve(path, model_toml, source)?;
     let step_s = training.first().map_or(1e-3, Dataset::sample_time_s);
     let pairs = Pair::all(&context, path, proof)?;
     let (levels, whole) = (path.levels(&context)?, path.whole());
@@ -164,6 +166,19 @@ pub(crate) fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
 }
 
 /// The free parameters' estimates as updates of a model file; `source` is where they are from.
+/// The corrected model's file with the curve of the nonparametric term as a law, and the parameters' values beside it.
+fn with_curve(path: &Path, model_toml: String, source: &str) -> Result<String, DiagnoseError> {
+    let Some(found) = &path.unexplained else { return Ok(model_toml) };
+    let (model, values) = (&found.fitted.model, &found.fitted.at.values);
+    let own = path.last.model.parameters.iter().filter(|parameter| !parameter.fixed);
+    let beside = own.filter_map(|parameter| {
+        let value = *values.get(model.parameter(&parameter.name)?)?;
+        Some(Update { name: parameter.name.clone(), value, ci95: None, source: source.into() })
+    });
+    let text = Model::parse(&model_toml)?.text_with(&beside.collect::<Vec<_>>())?;
+    Ok(Model::parse(&text)?.text_with_law(&found.law(), source)?)
+}
+
 fn updates(model: &Model, fit: &Identification, source: &str) -> Vec<Update> {
     let free = model.parameters.iter().zip(&fit.parameters).zip(&fit.point);
     free.filter(|((parameter, _), _)| !parameter.fixed)

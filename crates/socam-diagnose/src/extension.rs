@@ -11,7 +11,7 @@ pub(crate) fn extended(model: &Model, candidate: &Candidate) -> Option<Model> {
     let rig = Rig::of_model(model, &model.values());
     let used = grown.effects.last()?;
     let mut held = Vec::new();
-    for (name, prior) in (candidate.effect.priors)(&rig, &candidate.place) {
+    for (name, prior) in candidate.effect.priors_in(&rig, &candidate.place) {
         let index = used.effect.parameters.iter().position(|own| own.name == name)?;
         let near = prior.whole_number_near(candidate.value(name));
         held.extend(near.map(|(value, std)| (used.parameters[index], Prior { value, std })));

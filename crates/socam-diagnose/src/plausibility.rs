@@ -41,7 +41,7 @@ impl PriorKnowledge {
                 let index = used.effect.parameters.iter().position(|own| own.name == name)?;
                 Some(fitted.at.values[used.parameters[index]])
             };
-            let priors = (used.effect.priors)(&self.rig, &used.place);
+            let priors = used.effect.priors_in(&self.rig, &used.place);
             let each = priors.iter().filter_map(|(name, prior)| {
                 let own = used.effect.parameters.iter().find(|own| own.name == *name)?;
                 let chosen =

@@ -47,9 +47,10 @@ pub(crate) fn unexplained(found: &Unexplained, is_channel: bool) -> String {
         Over::Time => " that changes as time goes by",
         Over::Frequency => "",
     };
+    let range = found.range().map_or(String::new(), |range| format!(", known from {range}"));
     format!(
-        "At {place}: {what}{over} is missing, and nothing that has a name here fits; its curve carries {:.0} % of the misfit \
-         (residuals `after` are with it, a model file cannot hold it)",
+        "At {place}: {what}{over} is missing, and nothing that has a name here fits; its curve carries {:.0} % of the misfit{range} \
+         (residuals `after` are with it, and the corrected model file holds it as a law)",
         found.misfit_percent
     )
 }

@@ -9,7 +9,7 @@ const RESERVED: &str = "\
     methods model nodes None nonlocal not operator or otherwise outer output outputs package parameter parameters parfor partial pass \
     persistent pi print properties protected public raise record redeclare replaceable return setup spmd switch then True False true \
     false try type until variables when while with within world x y z u t p q v der time delay sample pre edge change reinit \
-    abs sign sqrt exp sin cos tan tanh min max log np self intermediates branches components annotations constant flow stream \
+    abs sign sqrt exp sin cos tan tanh atan min max log np self intermediates branches components annotations constant flow stream \
     connect connector discrete each encapsulated expandable extends external final impure algorithm block pure system i j e s \
     balance rates r readings simulate start value base Real Integer Boolean String Modelica Drivetrain Replay Lever";
 

@@ -15,7 +15,7 @@ pub(crate) fn write(d: &mut Description<'_>) -> Result<Exported, ExportError> {
     let left_out = delays_of_laws(d, &program);
     let mut text = header::commented(&header::lines(d, Target::Python, &left_out), "#");
     text.push_str("#\n# simulate(t, inputs) runs the model; read_inputs(t, columns) makes its inputs from a recording's columns.\n\n");
-    text.push_str("from math import exp, pi, sin, sqrt, tanh\n\nimport numpy as np\nfrom scipy.integrate import solve_ivp\n");
+    text.push_str("from math import atan, cos, exp, log, pi, sin, sqrt, tanh\n\nimport numpy as np\nfrom scipy.integrate import solve_ivp\n");
     text.push_str("from scipy.interpolate import make_interp_spline\n\n");
     text.push_str("# Value (SI), unit, 95 % interval, source.\nPARAMETERS = {\n");
     for own in &d.parameters {

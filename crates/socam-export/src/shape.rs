@@ -54,10 +54,10 @@ impl Shape {
                 index("gap").map(|gap| Self::Play { gap })
             }
             [law] => {
-                let formula = Formula::parse(law.formula)?;
+                let formula = Formula::parse(law.formula).ok()?;
                 TEMPLATES.iter().find_map(|(template, shape)| {
                     let mut found = [None; 4];
-                    if !fits(&Formula::parse(template)?, &formula, &mut found, &index) {
+                    if !fits(&Formula::parse(template).ok()?, &formula, &mut found, &index) {
                         return None;
                     }
                     Some(shape(&found.into_iter().flatten().collect::<Vec<_>>()))
@@ -65,9 +65,9 @@ impl Shape {
             }
             [state, law] if state.acts == Acts::State => {
                 let mut found = [None; 4];
-                let (torque, rate) = (Formula::parse(law.formula)?, Formula::parse(state.formula)?);
-                let dahl = Formula::parse("speed - speed*tanh(speed/C)*state/B")?;
-                let fits = fits(&Formula::parse("-A*state/B")?, &torque, &mut found, &index)
+                let (torque, rate) = (Formula::parse(law.formula).ok()?, Formula::parse(state.formula).ok()?);
+                let dahl = Formula::parse("speed - speed*tanh(speed/C)*state/B").ok()?;
+                let fits = fits(&Formula::parse("-A*state/B").ok()?, &torque, &mut found, &index)
                     && fits(&dahl, &rate, &mut found, &index);
                 found[0].filter(|_| fits).map(|torque| Self::Presliding { torque })
             }

@@ -32,7 +32,23 @@ fn with_each_effect() -> Vec<(Model, String)> {
         }
     }
     assert!(found.len() > 100, "{}", found.len());
+    found.extend(laws_of_a_file());
     found
+}
+
+/// The two-mass model with laws of its own: a formula of a place, a parameter, an input and an output, and a curve over time.
+fn laws_of_a_file() -> Vec<(Model, String)> {
+    let text = socam_model::BUILTIN[1].1.replacen(
+        "[parameters]",
+        "[parameters]\na = { value = 0.3, unit = \"N m\" }\nb = { value = 5, unit = \"rpm\" }\nc = { value = 0.1, unit = \"1\" }",
+        1,
+    );
+    let formula = "name = \"brake\"\nat = \"load_bearing\"\nformula = \"-a*tanh(speed/b)*cos(0.1*atan(motor_speed/b)) - c*motor_torque\"";
+    let curve = "name = \"ageing\"\nat = \"motor_bearing\"\nformula = \"-curve*tanh(speed/b)\"\ncurve = { over = \"time\", at = [0, 1, 9], values = [\"a\", \"a\", \"a\"] }";
+    let with = |law: &str, what: &str| {
+        (Model::parse(&format!("{text}\n[[laws]]\n{law}\n")).unwrap(), what.to_owned())
+    };
+    vec![with(formula, "brake at load_bearing"), with(curve, "ageing at motor_bearing")]
 }
 
 #[test]

@@ -145,9 +145,9 @@ fn units(writer: &mut Writer<Vec<u8>>, variables: &[Variable]) -> io::Result<()>
 /// Exponents other than 0 of an SI unit. FMI counts radians, which the dimension of a unit does not.
 fn exponents(unit: &str) -> Option<Vec<(&'static str, i32)>> {
     let parsed = socam_units::parse(unit)?;
-    let [kg, m, s, ampere] = parsed.dimension.map(i32::from);
+    let [kg, m, s, ampere, kelvin] = parsed.dimension.map(i32::from);
     let rad = i32::from(parsed.product.radians());
-    let bases = [("kg", kg), ("m", m), ("s", s), ("A", ampere), ("rad", rad)];
+    let bases = [("kg", kg), ("m", m), ("s", s), ("A", ampere), ("K", kelvin), ("rad", rad)];
     // A unit that is not SI would need a factor.
     (parsed.factor == 1.0).then(|| bases.into_iter().filter(|(_, power)| *power != 0).collect())
 }

@@ -197,10 +197,18 @@ fn of_diagnosis(base: &Model, path: &Path) -> Result<(Model, Rival)> {
 
 /// A rival with start values: those of parameters that both effects have, else typical ones.
 fn rival(base: &Model, effect: &str, place: &str, known: &[(&str, f64)]) -> Result<Model> {
-    let catalogue = socam_model::effects::find(effect)
+    let catalogue = base
+        .effect_with(effect, std::iter::empty())
         .ok_or_else(|| JobError::Inputs(format!("there is no effect {effect}")))?;
     let rotates = base.motion == socam_model::Motion::Rotation;
-    let given = |name: &str| known.iter().find(|(own, _)| *own == name).map(|(_, value)| *value);
+    let of_file = |name: &str| {
+        let law = base.candidates.iter().find(|law| law.effect.id == effect)?;
+        let own = law.effect.parameters.iter().position(|own| own.name == name)?;
+        Some(base.parameters[law.parameters[own]].value)
+    };
+    let given = |name: &str| {
+        known.iter().find(|(own, _)| *own == name).map(|(_, value)| *value).or_else(|| of_file(name))
+    };
     let values: Vec<(&str, f64)> = catalogue
         .parameters
         .iter()

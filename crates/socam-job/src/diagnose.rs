@@ -218,9 +218,10 @@ impl Diagnose {
                 return Err(wrong("expected EFFECT@PLACE, as in coulomb_friction@motor_bearing".into()));
             };
             // An effect that acts on inputs by another law is listed twice.
-            let own = || effects::screened().filter(|effect| effect.id == id);
+            let all = || effects::screened().chain(model.candidates.iter().map(|law| law.effect));
+            let own = || all().filter(|effect| effect.id == id);
             if own().next().is_none() {
-                let mut known: Vec<&str> = effects::screened().map(|effect| effect.id).collect();
+                let mut known: Vec<&str> = all().map(|effect| effect.id).collect();
                 known.dedup();
                 return Err(wrong(format!("there is no effect `{id}`; expected {}", known.join(", "))));
             }

@@ -99,6 +99,18 @@ impl Model {
     }
 }
 
+impl Model {
+    /// The candidate of the file with this id, or the effect of the catalogue with this id and these parameters, see [`effects::find_with`].
+    pub fn effect_with<'n>(
+        &self,
+        id: &str,
+        given: impl Iterator<Item = &'n str> + Clone,
+    ) -> Option<&'static effects::Effect> {
+        let own = self.candidates.iter().map(|own| own.effect).find(|effect| effect.id == id);
+        own.or_else(|| effects::find_with(id, given))
+    }
+}
+
 /// See [`Model::text_with`].
 fn write(text: &str, parameters: &[Parameter], updates: &[Update]) -> Result<String, ModelError> {
     let mut document = parsed(text)?;
@@ -180,7 +192,8 @@ fn add_effect(
     values: &[(&str, f64)],
 ) -> Result<String, ModelError> {
     let mut document = parsed(&model.text)?;
-    let known = effects::find_with(effect, values.iter().map(|(name, _)| *name));
+    let known = model.effect_with(effect, values.iter().map(|(name, _)| *name));
+    let candidate = model.candidates.iter().find(|law| law.effect.id == effect);
     let mut used = InlineTable::new();
     for (name, number) in values {
         let own = known.and_then(|known| known.parameters.iter().find(|p| p.name == *name));
@@ -190,8 +203,11 @@ fn add_effect(
         entry.insert("value", (*number).into());
         entry.insert("unit", unit.into());
         entry.insert("source", "diagnosis".into());
-        if own.is_some_and(effects::EffectParameter::is_transition_speed) {
-            // As its default is.
+        let is_fixed = candidate.is_some_and(|law| {
+            law.effect.parameters.iter().zip(&law.fixed).any(|(own, fixed)| own.name == *name && *fixed)
+        });
+        if is_fixed || own.is_some_and(effects::EffectParameter::is_transition_speed) {
+            // As the candidate's is, or as its default is.
             entry.insert("fixed", true.into());
         }
         document["parameters"][&full] = value(entry);
@@ -209,16 +225,16 @@ fn add_effect(
     Ok(document.to_string())
 }
 
-fn parsed(text: &str) -> Result<DocumentMut, ModelError> {
+pub(crate) fn parsed(text: &str) -> Result<DocumentMut, ModelError> {
     text.parse().map_err(|e: toml_edit::TomlError| fault(e.message().into()))
 }
 
-fn fault(message: String) -> ModelError {
+pub(crate) fn fault(message: String) -> ModelError {
     ModelError::File { line: 1, message }
 }
 
 /// `name`, or the first of `name_2`, `name_3`, ... that no parameter has.
-fn free_name(document: &DocumentMut, name: &str) -> String {
+pub(crate) fn free_name(document: &DocumentMut, name: &str) -> String {
     let taken = |name: &str| document["parameters"].get(name).is_some();
     let numbered = (2..).map(|number| format!("{name}_{number}"));
     std::iter::once(name.to_owned()).chain(numbered).find(|name| !taken(name)).unwrap_or_default()

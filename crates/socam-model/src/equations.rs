@@ -62,14 +62,14 @@ impl Port {
     /// Whether the force of its law is zero for all inputs, at `values` of all parameters of the model.
     #[must_use]
     pub fn is_inactive(&self, values: &[f64]) -> bool {
-        (self.law.inactive)(&self.values(values))
+        self.law.is_inactive(&self.values(values))
     }
 
     /// Response of the law. `seen` must begin with the inputs of the law, in their order, and `parameters` are those of
     /// [`Self::values`].
     #[must_use]
     pub fn evaluate(&self, seen: &[f64], parameters: &[f64]) -> Response {
-        (self.law.evaluate)(&seen[..self.law.law_inputs.len()], parameters)
+        self.law.evaluate(&seen[..self.law.law_inputs.len()], parameters)
     }
 }
 

@@ -12,10 +12,12 @@ use wording::line_of;
 
 mod channel;
 mod clocks;
+mod curves;
 #[cfg(test)]
 mod documented;
 mod effects;
 mod elements;
+mod laws;
 mod lists;
 mod parameters;
 mod raw;
@@ -204,6 +206,7 @@ impl Reader<'_> {
             shafts,
             bearings,
             effects: Vec::new(),
+            candidates: Vec::new(),
             motors,
             servo,
             channels,
@@ -214,12 +217,16 @@ impl Reader<'_> {
             Some(EffectUse { effect, place, at: Site::Servo, parameters: vec![servo.limit?] })
         }));
         self.contact_stiffness = self.rigid_stiffness(&model);
+        for law in raw.laws.0 {
+            self.law(law, &mut model)?;
+        }
         for effect in raw.effects.0 {
             self.effect(effect, &mut model)?;
         }
         self.check_bounds()?;
         self.check_wiring(&model)?;
         model.parameters = self.parameters;
+        model.fix_candidates();
         clocks::add_clocks(&mut model);
         Ok(model)
     }

@@ -46,10 +46,8 @@ impl Intersample {
     pub const fn of(quantity: Quantity, take: ChannelTransform) -> Self {
         match (quantity, take) {
             (Quantity::Torque, ChannelTransform::Cos(_) | ChannelTransform::Sin(_)) => Self::BandLimited,
-            (Quantity::Torque | Quantity::Voltage | Quantity::Current | Quantity::Reference, _) => {
-                Self::Linear
-            }
-            (Quantity::Time | Quantity::Change, _) => Self::Linear,
+            (Quantity::Torque | Quantity::Voltage | Quantity::Current | Quantity::Reference, _)
+            | (Quantity::Signal | Quantity::Time | Quantity::Change, _) => Self::Linear,
             (Quantity::Speed | Quantity::Angle | Quantity::Acceleration | Quantity::Turned, _) => {
                 Self::BandLimited
             }

@@ -38,10 +38,12 @@ mod apart;
 mod builtin;
 pub mod drawing;
 mod edit;
+mod edit_laws;
 pub mod effects;
 mod equations;
 mod error;
 mod file;
+pub mod formula;
 mod intersample;
 mod jet;
 pub mod layout;
@@ -50,12 +52,13 @@ mod network;
 mod transform;
 
 pub use builtin::BUILTIN;
+pub use edit_laws::{NewCurve, NewLaw, NewParameter};
 pub use equations::{Equations, Mode, Port};
 pub use error::ModelError;
 pub use file::column_unit;
 pub use intersample::Intersample;
 pub use model::{
-    Bearing, Channel, Differential, EffectUse, Gear, LARGEST_VALUE, Model, Motion, Motor, Node, Parameter,
-    Prior, Quantity, Role, Servo, Shaft, Site, Spring, Update,
+    Bearing, CandidateLaw, Channel, Differential, EffectUse, Gear, LARGEST_VALUE, Model, Motion, Motor, Node,
+    Parameter, Prior, Quantity, Role, Servo, Shaft, Site, Spring, Update,
 };
 pub use transform::{ChannelTransform, TransformStart};

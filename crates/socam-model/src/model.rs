@@ -6,7 +6,9 @@ mod parameter;
 mod quantity;
 
 pub use channel::Channel;
-pub use elements::{Bearing, Differential, EffectUse, Gear, Motor, Node, Servo, Shaft, Site, Spring};
+pub use elements::{
+    Bearing, CandidateLaw, Differential, EffectUse, Gear, Motor, Node, Servo, Shaft, Site, Spring,
+};
 pub use parameter::{LARGEST_VALUE, Parameter, Prior, Update};
 pub use quantity::{Quantity, Role};
 
@@ -58,8 +60,10 @@ pub struct Model {
     pub shafts: Vec<Shaft>,
     /// Bearings.
     pub bearings: Vec<Bearing>,
-    /// Effects of the catalogue, in the order of the file.
+    /// Laws of the file, then effects of the catalogue, in the order of the file.
     pub effects: Vec<EffectUse>,
+    /// Laws of the file that a diagnosis tests.
+    pub candidates: Vec<CandidateLaw>,
     /// Windings of motors that voltages drive.
     pub motors: Vec<Motor>,
     /// Servo, if the drive is closed-loop.

@@ -3,9 +3,9 @@
 use crate::Product;
 use crate::table::Words;
 
-/// Exponents of kg, m, s and A. A volt is a watt per ampere: a torque constant in N m/A and a back-EMF in V s/rad have one dimension.
+/// Exponents of kg, m, s, A and K. A volt is a watt per ampere: a torque constant in N m/A and a back-EMF in V s/rad have one dimension.
 /// Angles have none.
-pub type Dimension = [i8; 4];
+pub type Dimension = [i8; 5];
 
 /// A unit that was read: its SI value is `factor * value + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,10 +63,10 @@ pub(crate) fn read(text: &str, words: Words) -> Option<Scale> {
 
 impl Scale {
     fn new(factor: f64, offset: f64, product: Product) -> Option<Self> {
-        let [newton, volt, ampere, _, metre, _, second] = product.0.map(i16::from);
+        let [newton, volt, ampere, kelvin, metre, _, second] = product.0.map(i16::from);
         let dimension =
-            [newton + volt, newton + 2 * volt + metre, second - 2 * newton - 3 * volt, ampere - volt];
-        let mut small = [0; 4];
+            [newton + volt, newton + 2 * volt + metre, second - 2 * newton - 3 * volt, ampere - volt, kelvin];
+        let mut small = [0; 5];
         for (small, exponent) in small.iter_mut().zip(dimension) {
             *small = i8::try_from(exponent).ok()?;
         }
@@ -111,31 +111,32 @@ mod tests {
     fn mechanical_units_become_si() {
         let degrees = std::f64::consts::PI / 180.0;
         for (text, factor, dimension) in [
-            ("N m/rad", 1.0, [1, 2, -2, 0]),
-            ("N m/deg", 1.0 / degrees, [1, 2, -2, 0]),
-            ("N mm/deg", 1e-3 / degrees, [1, 2, -2, 0]),
-            ("N m s/rad", 1.0, [1, 2, -1, 0]),
-            ("kg m2", 1.0, [1, 2, 0, 0]),
-            ("g cm2", 1e-7, [1, 2, 0, 0]),
-            ("rpm", 0.104_719_755_119_659_77, [0, 0, -1, 0]),
-            ("1", 1.0, [0; 4]),
-            ("1/rad2", 1.0, [0; 4]),
-            ("kg m^2", 1.0, [1, 2, 0, 0]),
-            ("kg\u{b7}m\u{b2}", 1.0, [1, 2, 0, 0]),
-            ("kgm2", 1.0, [1, 2, 0, 0]),
-            ("g*cm^2", 1e-7, [1, 2, 0, 0]),
-            ("Nm/rad", 1.0, [1, 2, -2, 0]),
-            ("Nms/rad", 1.0, [1, 2, -1, 0]),
-            ("mN m", 1e-3, [1, 2, -2, 0]),
-            ("mNm", 1e-3, [1, 2, -2, 0]),
-            ("N/(m/s)", 1.0, [1, 0, -1, 0]),
-            ("N m / (rad/s)", 1.0, [1, 2, -1, 0]),
-            ("rad s^-1", 1.0, [0, 0, -1, 0]),
-            ("N m/A", 1.0, [1, 2, -2, -1]),
-            ("V/krpm", 0.06 / std::f64::consts::TAU, [1, 2, -2, -1]),
-            ("V/A", 1.0, [1, 2, -3, -2]),
-            ("mohm", 1e-3, [1, 2, -3, -2]),
-            ("mH", 1e-3, [1, 2, -2, -2]),
+            ("N m/rad", 1.0, [1, 2, -2, 0, 0]),
+            ("N m/deg", 1.0 / degrees, [1, 2, -2, 0, 0]),
+            ("N mm/deg", 1e-3 / degrees, [1, 2, -2, 0, 0]),
+            ("N m s/rad", 1.0, [1, 2, -1, 0, 0]),
+            ("kg m2", 1.0, [1, 2, 0, 0, 0]),
+            ("g cm2", 1e-7, [1, 2, 0, 0, 0]),
+            ("rpm", 0.104_719_755_119_659_77, [0, 0, -1, 0, 0]),
+            ("1", 1.0, [0; 5]),
+            ("1/rad2", 1.0, [0; 5]),
+            ("kg m^2", 1.0, [1, 2, 0, 0, 0]),
+            ("kg\u{b7}m\u{b2}", 1.0, [1, 2, 0, 0, 0]),
+            ("kgm2", 1.0, [1, 2, 0, 0, 0]),
+            ("g*cm^2", 1e-7, [1, 2, 0, 0, 0]),
+            ("Nm/rad", 1.0, [1, 2, -2, 0, 0]),
+            ("Nms/rad", 1.0, [1, 2, -1, 0, 0]),
+            ("mN m", 1e-3, [1, 2, -2, 0, 0]),
+            ("mNm", 1e-3, [1, 2, -2, 0, 0]),
+            ("N/(m/s)", 1.0, [1, 0, -1, 0, 0]),
+            ("N m / (rad/s)", 1.0, [1, 2, -1, 0, 0]),
+            ("rad s^-1", 1.0, [0, 0, -1, 0, 0]),
+            ("N m/A", 1.0, [1, 2, -2, -1, 0]),
+            ("V/krpm", 0.06 / std::f64::consts::TAU, [1, 2, -2, -1, 0]),
+            ("V/A", 1.0, [1, 2, -3, -2, 0]),
+            ("mohm", 1e-3, [1, 2, -3, -2, 0]),
+            ("mH", 1e-3, [1, 2, -2, -2, 0]),
+            ("N m/K", 1.0, [1, 2, -2, 0, -1]),
         ] {
             let unit = parse(text).unwrap();
             assert!((unit.factor / factor - 1.0).abs() < 1e-14, "{text}: {unit:?}");

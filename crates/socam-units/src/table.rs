@@ -135,7 +135,7 @@ pub(crate) const UNITS: &[Row] = &[
     own("H", 1.0, HENRY),
     own("mH", 1e-3, HENRY),
     own("uH", 1e-6, HENRY),
-    other("K", 1.0, KELVIN),
+    own("K", 1.0, KELVIN),
     Row { offset: 273.15, ..other("degC", 1.0, KELVIN) },
     Row { offset: 459.67 * 5.0 / 9.0, ..other("degF", 5.0 / 9.0, KELVIN) },
     other("W", 1.0, Product::WATT),

@@ -4,7 +4,7 @@ use socam_model::{
     Motion,
     effects::{
         Acts, ActsAt, Effect, EffectParameter, Form, Law, LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS,
-        QuantityKind, Response, TRANSITION_SPEED,
+        QuantityKind, Response, Rule, TRANSITION_SPEED,
     },
 };
 
@@ -116,7 +116,7 @@ const fn law(law_inputs: &'static [LawInput], acts: Acts, evaluate: fn(&[f64], &
     Law {
         law_inputs,
         acts,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "",
         transition: |_| 0.0,
         inactive: |parameters| parameters[0] == 0.0,

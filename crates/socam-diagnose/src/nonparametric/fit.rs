@@ -95,6 +95,7 @@ pub(super) fn fitted(
             .clamp(0.0, 100.0),
         term: term.clone(),
         std: std.clone(),
+        heights,
         fitted,
     }))
 }

@@ -7,6 +7,7 @@
 
 mod basis;
 mod fit;
+mod law;
 pub(crate) mod term;
 
 use rayon::prelude::*;

@@ -65,6 +65,8 @@ pub(crate) struct Unexplained {
     pub(super) term: NonparametricTerm,
     /// Standard error of each height, SI; infinite where the recordings do not determine it.
     pub(super) std: Vec<f64>,
+    /// Fitted heights, SI.
+    pub(super) heights: Vec<f64>,
     /// The last model with the term, at its fit.
     pub(crate) fitted: FittedModel,
     pub(crate) curve: Curve,
@@ -115,8 +117,8 @@ impl NonparametricTerm {
         }
         let parameters: Vec<f64> = used.parameters.iter().map(|index| at.values[*index]).collect();
         let height = |[centre, below, above]: [f64; 3]| {
-            let of_one = (own.evaluate)(&[centre], &[1.0, centre, below, above]).torque;
-            (law.evaluate)(&[centre], &parameters).torque / of_one
+            let of_one = own.evaluate(&[centre], &[1.0, centre, below, above]).torque;
+            law.evaluate(&[centre], &parameters).torque / of_one
         };
         Some(self.basis().into_iter().map(height).collect())
     }

@@ -210,7 +210,7 @@ fn unit_response(effect: &Effect, torque: f64, speed: f64) -> f64 {
     let parameters: Vec<f64> = effect.parameters.iter().map(widths).collect();
     let at = |speed: f64| {
         let law_inputs: Vec<f64> = law.law_inputs.iter().map(|law_input| input(law_input, speed)).collect();
-        (law.evaluate)(&law_inputs, &parameters).torque
+        law.evaluate(&law_inputs, &parameters).torque
     };
     if speed.is_nan() && law.law_inputs.contains(&LawInput::Speed) {
         let [slow, fast] = [1.0, 1e3].map(at);

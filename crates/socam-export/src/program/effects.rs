@@ -2,7 +2,7 @@
 
 use socam_model::{
     Quantity, Site,
-    effects::{Acts, Form, Law},
+    effects::{Acts, Form, Law, LawInput},
 };
 
 use super::{
@@ -10,6 +10,14 @@ use super::{
     builder::{Builder, minus, name, over, plus, sum, times},
 };
 use crate::{error::ExportError, formula::Formula};
+
+/// The channel that an input of a law is.
+fn channel_of(law: &Law, symbol: &str) -> Option<&'static str> {
+    law.law_inputs.iter().find_map(|input| match input {
+        LawInput::Channel { channel, symbol: own } if *own == symbol => Some(*channel),
+        _ => None,
+    })
+}
 
 type Bound<'n> = [(&'n str, Formula)];
 
@@ -19,13 +27,16 @@ impl Builder<'_, '_> {
         let own = &self.d.model.effects[used];
         let missing =
             || ExportError::NoFormula { effect: own.effect.id.to_owned(), place: own.place.clone() };
-        let formula = Formula::parse(law.formula).ok_or_else(missing)?;
+        let formula = Formula::parse(law.formula).map_err(|_| missing())?;
         let borrowed = own.effect.borrows.map_or(&[][..], |borrowed| borrowed.symbols());
         let names: Vec<&str> =
             own.effect.parameters.iter().map(|own| own.name).chain(borrowed.iter().copied()).collect();
         let by = |symbol: &str| {
             if let Some((_, formula)) = bound.iter().find(|(known, _)| *known == symbol) {
                 return Some(formula.clone());
+            }
+            if let Some(channel) = channel_of(law, symbol) {
+                return self.true_channel(channel, own.at);
             }
             if symbol == "time" {
                 return Some(name("t"));
@@ -40,6 +51,23 @@ impl Builder<'_, '_> {
             return Err(missing());
         }
         Ok(formula.replaced(&by))
+    }
+
+    /// What a law at `site` sees of a channel: the true value of an input, what the model predicts of an output. `None` where that is not known
+    /// yet: a torque within the laws of springs, an acceleration.
+    fn true_channel(&self, channel: &str, site: Site) -> Option<Formula> {
+        if let Some(signal) = self.d.inputs.iter().find(|signal| signal.channel.name == channel) {
+            let mut beside =
+                self.d.model.effects.iter().filter(|used| used.at == Site::Channel(signal.index));
+            return beside.next().is_none().then(|| self.gained(signal));
+        }
+        let output = self.d.outputs.iter().find(|signal| signal.channel.name == channel)?.channel;
+        let at_spring = matches!(site, Site::Spring(_) | Site::Gear { .. });
+        match output.quantity {
+            Quantity::Speed | Quantity::Angle => Some(self.measured(output.quantity, &output.at)),
+            Quantity::Torque if !at_spring => Some(self.measured(output.quantity, &output.at)),
+            _ => None,
+        }
     }
 
     /// The responses of an effect's laws that act so.

@@ -110,7 +110,12 @@ fn derivatives_are_rates_of_short_steps() {
     let held = Model::parse(&format!("{}\n{bearing}", cam.text)).unwrap();
     let coupled = held.with_effect("coulomb_friction", "sensor_bearing", &[("torque", 0.02)]).unwrap();
     assert!(coupled.equations(&coupled.values()).unwrap().port_force.amax() > 0.0);
-    for model in [Model::builtin("emps").unwrap(), drifting, coupled] {
+    // A law of the file, which sees another channel, and a curve over time.
+    let parameters = "[parameters]\na = { value = 0.3, unit = \"N m\" }\nb = { value = 50, unit = \"rpm\" }";
+    let brake = "[[laws]]\nname = \"brake\"\nat = \"load_bearing\"\nformula = \"-curve*tanh(speed/b) - 0.2*motor_torque\"\ncurve = { over = \"time\", at = [1, 2, 3], values = [0.1, 0.2, 0.4], unit = \"N m\" }";
+    let two_mass = Model::builtin("two-mass").unwrap().text.replacen("[parameters]", parameters, 1);
+    let own = Model::parse(&format!("{two_mass}\n{brake}\n")).unwrap();
+    for model in [Model::builtin("emps").unwrap(), drifting, coupled, own] {
         let mut simulation = Simulation::new(model).unwrap();
         simulation.start_at(2.0).unwrap();
         simulation.set(1, 3.0).unwrap();

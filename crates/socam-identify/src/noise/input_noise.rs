@@ -1,6 +1,6 @@
 //! Upper bounds on the noise of each channel, from its highest frequencies.
 
-use socam_model::{Channel, Quantity};
+use socam_model::Channel;
 
 use crate::{
     IdentifyError, Intersample, Problem, noise::innovations_filter::NoiseLevels, preprocessing::segments,
@@ -28,9 +28,9 @@ const STEEP: f64 = 0.03;
 const MOST_ROWS: u64 = 32_768;
 const MOST_SEGMENTS: usize = 8;
 
-/// Whether an input is a measured signal, which has noise; a reference and a clock are exact.
+/// Whether an input is measured with noise; a reference, a clock and a signal that only laws read are exact.
 pub(crate) fn is_measured(channel: &Channel) -> bool {
-    channel.quantity != Quantity::Reference && !channel.quantity.is_clock()
+    !channel.quantity.is_exact()
 }
 
 /// Upper bound on the standard deviation of each channel's noise, SI: its highest frequencies, taken as noise alone. It is zero for an

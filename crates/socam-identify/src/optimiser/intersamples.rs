@@ -58,7 +58,9 @@ pub(crate) fn is_open(options: &Options, channel: &Channel) -> bool {
 /// Other intersample assumptions that are possible for a channel. A held angle would move in jumps. What is computed from another column (a
 /// rate, a wave) is not tried: its noise is not that of a sample, and a wrong model of noise decides for a wrong kind.
 pub fn others(channel: &Channel, kind: Intersample) -> impl Iterator<Item = Intersample> {
-    let is_none = channel.quantity.is_clock() || channel.transform != ChannelTransform::Value;
+    let is_none = channel.quantity.is_clock()
+        || channel.quantity == Quantity::Signal
+        || channel.transform != ChannelTransform::Value;
     let jumps = matches!(channel.quantity, Quantity::Angle | Quantity::Turned);
     Intersample::ALL
         .into_iter()

@@ -2,7 +2,7 @@
 
 use socam_model::{
     Equations, Port,
-    effects::{LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS, Response},
+    effects::{Law, LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS, Response},
 };
 
 /// A Newton step below this share of a law's transition width leaves an error of its square: the iteration has converged.
@@ -19,7 +19,7 @@ const STATE_ERROR_WEIGHT: f64 = 100.0;
 
 /// One port with the law that it belongs to. The ports of one law stand next to each other, see [`Port`].
 pub(crate) struct PortLaw {
-    evaluate: fn(&[f64], &[f64]) -> Response,
+    law: &'static Law,
     parameters: Vec<f64>,
     /// Index of the law's input that this port supplies.
     law_input: usize,
@@ -61,7 +61,7 @@ impl PortLaw {
         let parameters = port.values(values);
         let column = |parameter: &usize| free.iter().position(|free| free == parameter);
         let own = port.parameters.iter().enumerate().filter(|_| port.law_input == 0);
-        let transition = if port.law_input == 0 { (port.law.transition)(&parameters) } else { 0.0 };
+        let transition = if port.law_input == 0 { port.law.transition_at(&parameters) } else { 0.0 };
         let kind = port.law.law_inputs.get(port.law_input);
         let least_input = match kind {
             Some(LawInput::Twist | LawInput::State) => 1e-5,
@@ -70,7 +70,7 @@ impl PortLaw {
         };
         let drives_state = port.law.law_inputs.contains(&LawInput::State);
         Self {
-            evaluate: port.law.evaluate,
+            law: port.law,
             transition,
             least_input: transition.max(least_input),
             error_weight: match kind {
@@ -88,13 +88,9 @@ impl PortLaw {
 
     /// A law of one input without free parameters.
     #[cfg(test)]
-    pub(crate) fn of_one_input(
-        evaluate: fn(&[f64], &[f64]) -> Response,
-        parameters: Vec<f64>,
-        transition: f64,
-    ) -> Self {
+    pub(crate) fn of_one_input(law: &'static Law, parameters: Vec<f64>, transition: f64) -> Self {
         Self {
-            evaluate,
+            law,
             parameters,
             law_input: 0,
             count: 1,
@@ -126,7 +122,7 @@ impl PortLaw {
         if let Some(flank) = self.flank {
             return self.flank_response(flank);
         }
-        (self.evaluate)(&inputs[..self.count], &self.parameters)
+        self.law.evaluate(&inputs[..self.count], &self.parameters)
     }
 
     /// Replaces a law of play by its value on one flank (1 or -1), or between them (0).

@@ -98,7 +98,7 @@ mod tests {
     fn friction_and_speed_are_solved_together() {
         let effect = socam_model::effects::find("coulomb_friction").unwrap();
         for (torque, width, gain) in [(0.6, 0.05, 1e-3), (0.6, 0.05, 10.0), (5.0, 1e-4, 3.0)] {
-            let law = PortLaw::of_one_input(effect.laws()[0].evaluate, vec![torque, width], width);
+            let law = PortLaw::of_one_input(&effect.laws()[0], vec![torque, width], width);
             for base in [-20.0, -0.3, -1e-5, 0.0, 1e-3, 2.0] {
                 for start in [-5.0, 0.0, 1e-4, 3.0] {
                     let (mut speeds, mut responses) = ([start], [INACTIVE]);

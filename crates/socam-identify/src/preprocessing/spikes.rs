@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
-use socam_model::{Channel, Quantity, Role};
+use socam_model::{Channel, Role};
 use socam_recording::Dataset;
 
 use crate::{
@@ -55,7 +55,7 @@ pub(crate) fn find(
 ) -> Result<Vec<Vec<(u64, f64)>>, IdentifyError> {
     let mut all = Vec::new();
     for channel in inputs {
-        if channel.quantity == Quantity::Reference || channel.quantity.is_clock() {
+        if channel.quantity.is_exact() {
             all.push(Vec::new());
             continue;
         }

@@ -41,6 +41,8 @@ fn measures(quantity: Quantity, role: Role, rotates: bool) -> String {
         Quantity::Reference => "reference",
         Quantity::Voltage => "voltage",
         Quantity::Current => "current",
+        Quantity::Signal if role == Role::Input => return "signal, read by laws".to_owned(),
+        Quantity::Signal => "signal",
         Quantity::Time => "time",
         Quantity::Turned => "angle turned",
         Quantity::Change => "rate of change",

@@ -3,7 +3,8 @@
 use super::{
     definition::{
         Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
-        Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
+        Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
+        begin_with_little,
     },
     experiment,
     kinds::CONTACT_DAMPING,
@@ -27,7 +28,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Twist, LawInput::TwistRate],
         acts: Acts::Torque,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "-stiffness*0.5*(sqrt((twist + 0.5*gap)^2 + 1e-16) - sqrt((twist - 0.5*gap)^2 + 1e-16)) - \
                   damping*twist_rate*0.5*((twist + 0.5*gap)/sqrt((twist + 0.5*gap)^2 + 1e-16) - (twist - \
                   0.5*gap)/sqrt((twist - 0.5*gap)^2 + 1e-16))",

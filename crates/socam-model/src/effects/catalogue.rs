@@ -66,7 +66,7 @@ pub fn screened() -> impl Iterator<Item = &'static Effect> {
 /// let friction = effects::find("coulomb_friction").expect("an effect of the catalogue");
 /// let law = friction.laws()[0];
 /// // 0.3 N m of friction, far above the transition speed of 0.05 rad/s.
-/// let response = (law.evaluate)(&[2.0], &[0.3, 0.05]);
+/// let response = law.evaluate(&[2.0], &[0.3, 0.05]);
 /// assert!((response.torque + 0.3).abs() < 1e-12);
 /// ```
 pub fn find(id: &str) -> Option<&'static Effect> {

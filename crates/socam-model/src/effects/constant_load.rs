@@ -3,7 +3,7 @@
 use super::{
     definition::{
         ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        Linearisation, Places, Prior, QuantityKind, Steady, all_zero, begin_with_little,
+        Linearisation, Places, Prior, QuantityKind, Rule, Steady, all_zero, begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -19,7 +19,7 @@ pub const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[],
         acts: Acts::Torque,
-        evaluate: |_, parameters| shape::response(-parameters[0], &[], &[-1.0]),
+        rule: Rule::Code(|_, parameters| shape::response(-parameters[0], &[], &[-1.0])),
         formula: "-torque",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,

@@ -3,7 +3,7 @@
 use super::{
     definition::{
         Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, all_zero,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
         begin_with_little,
     },
     experiment, shape, usual,
@@ -27,7 +27,7 @@ pub const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "-torque*tanh(speed/transition_speed)",
         transition: |parameters| parameters[1],
         inactive: |parameters| parameters[0] == 0.0,

@@ -4,7 +4,7 @@ use super::{
     definition::{
         Acts, ActsAt, Amplitude, Borrowed, Condition, Coordinate, Discrepancy, Effect, EffectParameter,
         Equivalent, Form, Law, LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response,
-        Steady, begin_with_little,
+        Rule, Steady, begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -22,7 +22,7 @@ pub(super) const EFFECT: Effect = Effect {
         Law {
             law_inputs: &[LawInput::TwistRate, LawInput::Twist, LawInput::State],
             acts: Acts::State,
-            evaluate: slip,
+            rule: Rule::Code(slip),
             formula: "0.5*(twist_rate*sign(twist - state) + sqrt(twist_rate^2 + \
                       1e-4))*min((stiffness*(twist - state)/torque)^2, 4)^8*sign(twist - state)",
             transition: shape::no_transition,
@@ -31,7 +31,7 @@ pub(super) const EFFECT: Effect = Effect {
         Law {
             law_inputs: &[LawInput::State],
             acts: Acts::Torque,
-            evaluate: relief,
+            rule: Rule::Code(relief),
             formula: "-stiffness*state",
             transition: shape::no_transition,
             inactive: shape::never,

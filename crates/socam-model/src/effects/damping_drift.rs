@@ -3,7 +3,7 @@
 use super::{
     definition::{
         ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
-        Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
+        Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero, begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -19,7 +19,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Speed, LawInput::Time],
         acts: Acts::Torque,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "-damping*rate*time*speed",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,

@@ -5,7 +5,7 @@ pub(super) use super::{
     discrepancy::Discrepancy,
     effect::Effect,
     kinds::{ANY, EffectParameter, POSITIVE, QuantityKind},
-    law::{Acts, Borrowed, Form, Law, LawInput, Response},
+    law::{Acts, Borrowed, Form, Law, LawInput, Response, Rule},
     places::{ActsAt, Places},
     prior::Prior,
     relations::{Condition, Equivalent, FittedValues, Replaces},

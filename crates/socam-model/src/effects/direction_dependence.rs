@@ -3,7 +3,8 @@
 use super::{
     definition::{
         ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
+        LawInput, Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
+        begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -26,7 +27,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "-0.5*(torque_difference*tanh(speed/transition_speed)^2 + \
                   damping_difference*speed*tanh(speed/transition_speed))",
         transition: |parameters| parameters[2],

@@ -9,7 +9,7 @@ use super::{
     places::{ActsAt, Places},
     prior::Prior,
     relations::{Equivalent, FittedValues, Replaces},
-    rig::{Rig, Values},
+    rig::{Rig, RigLaw, Values},
     starts::{PHASES, begin_with_little},
     usual::{self, Usual},
 };
@@ -95,7 +95,7 @@ impl Effect {
     /// An effect outside the catalogue: a law without amplitude, starts, priors or texts.
     ///
     /// ```
-    /// use socam_model::effects::{Acts, ActsAt, Effect, Form, Law, LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS, Response};
+    /// use socam_model::effects::{Acts, ActsAt, Effect, Form, Law, LawInput, MAX_LAW_INPUTS, MAX_PARAMETERS, Response, Rule};
     ///
     /// fn brake(inputs: &[f64], _: &[f64]) -> Response {
     ///     let torque = -0.1 * inputs[0].powi(3);
@@ -104,13 +104,13 @@ impl Effect {
     /// const LAW: Law = Law {
     ///     law_inputs: &[LawInput::Speed],
     ///     acts: Acts::Torque,
-    ///     evaluate: brake,
+    ///     rule: Rule::Code(brake),
     ///     formula: "-0.1*speed^3",
     ///     transition: |_| 0.0,
     ///     inactive: |_| false,
     /// };
     /// static BRAKE: Effect = Effect::bare("brake", ActsAt::Bearing, &[], None, Form::Laws(&[LAW]), "T = -0.1 w^3");
-    /// assert_eq!((BRAKE.laws()[0].evaluate)(&[2.0], &[]).torque, -0.8);
+    /// assert_eq!(BRAKE.laws()[0].evaluate(&[2.0], &[]).torque, -0.8);
     /// ```
     #[must_use]
     pub const fn bare(
@@ -182,6 +182,35 @@ impl Effect {
         .collect()
     }
 
+    /// [`Self::starts`]; of a candidate of the model file one start, without amplitude and otherwise at the file's values.
+    #[must_use]
+    pub fn starts_in(&self, rig: &Rig, place: &str) -> Vec<Values> {
+        if !self.is_own() {
+            return (self.starts)(rig, place);
+        }
+        let known = |name: &str| rig.laws.iter().find(|own| own.law == self.id && own.parameter == name);
+        let start = self.parameters.iter().map(|own| {
+            let is_amplitude = self.amplitude.parameters.contains(&own.name);
+            Some((own.name, if is_amplitude { self.amplitude.null } else { known(own.name)?.value }))
+        });
+        start.collect::<Option<Values>>().into_iter().collect()
+    }
+
+    /// [`Self::priors`]; of a candidate of the model file those of the file, else its bounds.
+    #[must_use]
+    pub fn priors_in(&self, rig: &Rig, place: &str) -> Vec<(&'static str, Prior)> {
+        if !self.is_own() {
+            return (self.priors)(rig, place);
+        }
+        let own = |name: &str| rig.laws.iter().find(|own| own.law == self.id && own.parameter == name);
+        let each = self.parameters.iter().filter_map(|known| Some((known.name, own(known.name)?)));
+        let prior = |own: &RigLaw| match own.prior {
+            Some((mean, std)) => Prior::normal([mean, std], own.bounds, "the prior of the model file"),
+            None => Prior::flat(own.bounds, "the bounds of the model file"),
+        };
+        each.map(|(name, own)| (name, prior(own))).collect()
+    }
+
     /// Whether it has a phase parameter. A wave of unknown phase is the sum of a sine and a cosine, each with its own amplitude.
     #[must_use]
     pub fn is_wave(&self) -> bool {
@@ -211,7 +240,7 @@ impl Effect {
     /// have an improper prior are left out.
     #[must_use]
     pub fn large_starts(&self, rig: &Rig, place: &str, share: f64) -> Vec<Values> {
-        let priors = (self.priors)(rig, place);
+        let priors = self.priors_in(rig, place);
         let large = |name: &str| priors.iter().find(|(known, _)| *known == name)?.1.quantile(share);
         let filled = |values: Values| -> Option<Values> {
             let each = values.into_iter().map(|(name, value)| {
@@ -220,7 +249,7 @@ impl Effect {
             });
             each.collect()
         };
-        let filled = (self.starts)(rig, place).into_iter().filter_map(filled);
+        let filled = self.starts_in(rig, place).into_iter().filter_map(filled);
         let phases: &[f64] = if self.is_wave() { &PHASES } else { &[0.0] };
         let turned = |values: &Values, phase: f64| {
             let each =
@@ -237,7 +266,7 @@ impl Effect {
     #[must_use]
     pub fn log_prior(&self, rig: &Rig, place: &str, values: &[(&str, f64)]) -> f64 {
         let sizes = FittedValues(values);
-        let each = (self.priors)(rig, place).into_iter().map(|(name, prior)| (sizes.get(name), prior));
+        let each = self.priors_in(rig, place).into_iter().map(|(name, prior)| (sizes.get(name), prior));
         each.filter(|(value, _)| !value.is_nan()).map(|(value, prior)| prior.log_density(value)).sum()
     }
 

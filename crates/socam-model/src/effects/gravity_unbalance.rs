@@ -3,7 +3,8 @@
 use super::{
     definition::{
         ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
+        begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -22,7 +23,7 @@ pub const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Angle],
         acts: Acts::Torque,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "-torque*sin(angle + phase)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,

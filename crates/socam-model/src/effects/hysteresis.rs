@@ -3,7 +3,8 @@
 use super::{
     definition::{
         Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
+        begin_with_little,
     },
     experiment, presliding, shape, usual,
 };
@@ -29,7 +30,7 @@ pub(super) const EFFECT: Effect = Effect {
         Law {
             law_inputs: &[LawInput::TwistRate, LawInput::State],
             acts: Acts::State,
-            evaluate: creep,
+            rule: Rule::Code(creep),
             formula: "twist_rate - twist_rate*tanh(twist_rate/transition_speed)*state/deflection",
             transition: shape::no_transition,
             inactive: shape::never,
@@ -37,7 +38,7 @@ pub(super) const EFFECT: Effect = Effect {
         Law {
             law_inputs: &[LawInput::State],
             acts: Acts::Torque,
-            evaluate: pull,
+            rule: Rule::Code(pull),
             formula: "torque*state/deflection",
             transition: shape::no_transition,
             inactive: |parameters| parameters[0] == 0.0,

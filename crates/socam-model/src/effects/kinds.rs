@@ -79,6 +79,8 @@ pub enum QuantityKind {
     Ratio,
     /// Any unit: a controller's gain has the units of its signals, an offset the unit of its channel.
     Gain,
+    /// The SI unit of a parameter of a model file's own law.
+    Own(&'static str),
 }
 
 impl QuantityKind {
@@ -118,6 +120,7 @@ impl QuantityKind {
             (Self::BackEmf, false) => "V s/m",
             (Self::Ratio, _) => "1",
             (Self::Gain, _) => "",
+            (Self::Own(unit), _) => unit,
         }
     }
 

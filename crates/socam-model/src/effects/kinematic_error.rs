@@ -3,7 +3,8 @@
 use super::{
     definition::{
         ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
-        Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little, wave,
+        Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady, begin_with_little,
+        wave,
     },
     experiment, shape, usual,
 };
@@ -24,7 +25,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Angle],
         acts: Acts::Torque,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "stiffness*amplitude*sin(order*angle + phase)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[1] == 0.0,

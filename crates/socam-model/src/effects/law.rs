@@ -1,12 +1,14 @@
 //! Force laws: their inputs, their responses, and how an effect enters the equations of motion.
 
+use crate::formula::Tape;
+
 /// Largest number of parameters of a law, borrowed ones included.
-pub const MAX_PARAMETERS: usize = 6;
+pub const MAX_PARAMETERS: usize = 10;
 /// Largest number of inputs of a law.
-pub const MAX_LAW_INPUTS: usize = 3;
+pub const MAX_LAW_INPUTS: usize = 4;
 
 /// An input of a law.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum LawInput {
     /// Speed of its node, rad/s; of a gear: of its slow side.
     Speed,
@@ -26,6 +28,13 @@ pub enum LawInput {
     Change,
     /// The effect's own state, see [`Acts::State`].
     State,
+    /// A channel of the model, in its SI unit: the true value of an input, what the model predicts of an output.
+    Channel {
+        /// Name of the channel.
+        channel: &'static str,
+        /// Name of the input in the law's formula.
+        symbol: &'static str,
+    },
 }
 
 impl LawInput {
@@ -42,6 +51,7 @@ impl LawInput {
             Self::Reading => "reading",
             Self::Change => "change",
             Self::State => "state",
+            Self::Channel { symbol, .. } => symbol,
         }
     }
 }
@@ -70,6 +80,15 @@ pub struct Response {
     pub by_parameter: [f64; MAX_PARAMETERS],
 }
 
+/// The response of a law as a function of its inputs and parameters.
+#[derive(Debug, Clone, Copy)]
+pub enum Rule {
+    /// A function of this program: a law of the catalogue.
+    Code(fn(law_inputs: &[f64], parameters: &[f64]) -> Response),
+    /// A formula of a model file.
+    Formula(&'static Tape),
+}
+
 /// A force law.
 #[derive(Debug, Clone, Copy)]
 pub struct Law {
@@ -78,16 +97,57 @@ pub struct Law {
     /// Action of its response.
     pub acts: Acts,
     /// The response to inputs and parameters.
-    pub evaluate: fn(law_inputs: &[f64], parameters: &[f64]) -> Response,
-    /// The response as a formula, for simulators of others: numbers, `pi`, `+ - * / ^` (whole exponents), `abs`, `sign`, `sqrt`, `exp`, `sin`,
-    /// `tanh`, `min`, `max`; parameters by their names, borrowed ones as `stiffness` and `damping`, inputs by [`LawInput::symbol`]. Empty
-    /// where a law has none. Corners are rounded as in `evaluate`; the tests of `socam-export` compare both.
+    pub rule: Rule,
+    /// The response as a [`Formula`](crate::formula::Formula), for simulators of others: parameters by their names, borrowed ones as
+    /// `stiffness` and `damping`, inputs by [`LawInput::symbol`]. Empty where a law has none. Corners are rounded as in `rule`; the tests of
+    /// `socam-export` compare both.
     pub formula: &'static str,
     /// Width of the range of the first input in which the law is sharply curved, in that input's unit; 0 if there is none. Predictors
     /// limit their Newton steps to it.
     pub transition: fn(parameters: &[f64]) -> f64,
     /// Whether the response is zero for all inputs. Predictors then propagate only the sensitivities with respect to its parameters.
     pub inactive: fn(parameters: &[f64]) -> bool,
+}
+
+impl Law {
+    /// The response to inputs and parameters.
+    #[must_use]
+    pub fn evaluate(&self, law_inputs: &[f64], parameters: &[f64]) -> Response {
+        match self.rule {
+            Rule::Code(evaluate) => evaluate(law_inputs, parameters),
+            Rule::Formula(tape) => {
+                let (mut derivatives, mut by_parameter) = ([0.0; MAX_LAW_INPUTS], [0.0; MAX_PARAMETERS]);
+                let torque = tape.evaluate((law_inputs, &mut derivatives), (parameters, &mut by_parameter));
+                Response { torque, derivatives, by_parameter }
+            }
+        }
+    }
+
+    /// [`Self::transition`] at parameters; of a formula by its `tanh` and `atan`.
+    #[must_use]
+    pub fn transition_at(&self, parameters: &[f64]) -> f64 {
+        match self.rule {
+            Rule::Code(_) => (self.transition)(parameters),
+            Rule::Formula(tape) => tape.transition(&[0.0; MAX_LAW_INPUTS], parameters),
+        }
+    }
+
+    /// Whether a formula has a finite value where all inputs are 1.
+    pub(crate) fn is_finite_at(&self, parameters: &[f64]) -> bool {
+        match self.rule {
+            Rule::Code(_) => true,
+            Rule::Formula(tape) => tape.is_finite_at(&[1.0; MAX_LAW_INPUTS], parameters),
+        }
+    }
+
+    /// [`Self::inactive`] at parameters; of a formula by its factors that are zero.
+    #[must_use]
+    pub fn is_inactive(&self, parameters: &[f64]) -> bool {
+        match self.rule {
+            Rule::Code(_) => (self.inactive)(parameters),
+            Rule::Formula(tape) => tape.vanishes(|parameter| parameters[parameter] == 0.0),
+        }
+    }
 }
 
 /// Form in which an effect enters the equations of motion.

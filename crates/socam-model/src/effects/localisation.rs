@@ -38,6 +38,14 @@ impl Model {
     /// assert_eq!(model.places(offset), ["motor_torque", "motor_speed", "load_speed"]);
     /// ```
     pub fn places(&self, effect: &Effect) -> Vec<&str> {
+        let mut all = self.places_of_kind(effect);
+        if let Places::Only(place) = effect.places {
+            all.retain(|own| *own == place);
+        }
+        all
+    }
+
+    fn places_of_kind(&self, effect: &Effect) -> Vec<&str> {
         match effect.acts_at {
             ActsAt::Bearing => {
                 let needs = effect.borrows == Some(Borrowed::Damping);
@@ -53,7 +61,7 @@ impl Model {
                     matches!(effect.form, Form::Lag | Form::Delay) || effect.sees(LawInput::Reading);
                 let fits = |channel: &&Channel| match effect.places {
                     Places::Sensors => channel.role == Role::Output,
-                    Places::Channels => true,
+                    Places::Channels | Places::Only(_) => true,
                     // The rate of an input can be computed only from a column that is read as it is.
                     Places::Inputs => {
                         channel.role == Role::Input && channel.transform == ChannelTransform::Value
@@ -70,7 +78,7 @@ impl Model {
 
 impl Effect {
     /// Names of the places of a model at which a diagnosis tests the effect: those of [`Model::places`] that [`Self::places`] selects, without
-    /// gear contacts and clocks.
+    /// gear contacts, clocks and signals.
     ///
     /// ```
     /// use socam_model::{Model, effects};
@@ -82,7 +90,7 @@ impl Effect {
     /// ```
     #[must_use]
     pub fn places_in(&self, model: &Model) -> Vec<String> {
-        let moves = |input: &Channel| !input.quantity.is_clock();
+        let moves = |input: &Channel| input.quantity.drives();
         let driven = |name: &str| model.inputs().any(|input| moves(input) && input.at == name);
         let prescribed =
             |name: &str| model.inputs().any(|input| input.quantity == Quantity::Speed && input.at == name);
@@ -96,10 +104,10 @@ impl Effect {
         };
         let channel = |name: &str| model.channels.iter().find(|channel| channel.name == name);
         let all = model.places(self).into_iter().filter(|place| is_part(place));
-        let is_sensor = |place: &str| channel(place).is_some_and(|c| !c.quantity.is_clock());
+        let is_sensor = |place: &str| channel(place).is_some_and(|c| c.quantity.drives());
         let mut all = all.filter(|place| self.acts_at != ActsAt::Channel || is_sensor(place));
         let kept: Vec<&str> = match self.places {
-            Places::Every | Places::Channels | Places::Inputs => all.collect(),
+            Places::Every | Places::Channels | Places::Inputs | Places::Only(_) => all.collect(),
             Places::Load => all.rfind(|place| massive(place) && !prescribed(place)).into_iter().collect(),
             Places::Driven => {
                 all.filter(|place| !prescribed(place) && (driven(place) || behind_drive(place))).collect()

@@ -3,7 +3,8 @@
 use super::{
     definition::{
         Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero, begin_with_little,
+        LawInput, Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
+        begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -26,7 +27,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Speed, LawInput::Torque],
         acts: Acts::Drag,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "-through*tanh(through/transition_torque)*tanh(speed/transition_speed)*fraction/(1 - \
                   0.5*fraction*(1 - tanh(speed/transition_speed)*tanh(through/transition_torque)))",
         transition: |parameters| parameters[1],

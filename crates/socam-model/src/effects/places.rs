@@ -1,7 +1,7 @@
 //! Kinds of places, and the subset that a diagnosis tests.
 
 /// The kind of element at which an effect acts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ActsAt {
     /// A bearing: friction and drag between a node and the ground.
     Bearing,
@@ -54,6 +54,8 @@ pub enum Places {
     Inputs,
     /// Output and input channels.
     Channels,
+    /// The place of a law of a model file.
+    Only(&'static str),
 }
 
 /// Whether a place is a part of the machine. The spring that models a gear's contact (its name ends in `.contact`) is not.

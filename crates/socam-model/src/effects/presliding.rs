@@ -5,7 +5,7 @@ use super::{
     coulomb_friction,
     definition::{
         Acts, ActsAt, Discrepancy, Effect, EffectParameter, FittedValues, Form, Law, LawInput, Linearisation,
-        POSITIVE, Places, Prior, QuantityKind, Replaces, Rig, Steady, Values, begin_with_little,
+        POSITIVE, Places, Prior, QuantityKind, Replaces, Rig, Rule, Steady, Values, begin_with_little,
     },
     experiment, shape, stribeck_friction, usual,
 };
@@ -27,11 +27,11 @@ pub(super) const COULOMB: Effect = Effect {
         Law {
             law_inputs: &[LawInput::Speed, LawInput::State],
             acts: Acts::State,
-            evaluate: |law_inputs, p| {
+            rule: Rule::Code(|law_inputs, p| {
                 let (rate, derivatives, [.., by_deflection, by_transition]) =
                     bend(law_inputs, [p[1], p[2]], STEADY);
                 shape::response(rate, &derivatives, &[0.0, by_deflection, by_transition])
-            },
+            }),
             formula: "speed - speed*tanh(speed/transition_speed)*state/deflection",
             transition: |p| p[2],
             inactive: shape::never,
@@ -39,10 +39,10 @@ pub(super) const COULOMB: Effect = Effect {
         Law {
             law_inputs: &[LawInput::State],
             acts: Acts::Torque,
-            evaluate: |law_inputs, p| {
+            rule: Rule::Code(|law_inputs, p| {
                 let (pull, by_state, by_deflection) = pull(law_inputs[0], p[0], p[1]);
                 shape::response(pull, &[by_state], &[-law_inputs[0] / p[1], by_deflection])
-            },
+            }),
             formula: "-torque*state/deflection",
             transition: shape::no_transition,
             inactive: |parameters| parameters[0] == 0.0,
@@ -100,11 +100,11 @@ pub(super) const STRIBECK: Effect = Effect {
         Law {
             law_inputs: &[LawInput::Speed, LawInput::State],
             acts: Acts::State,
-            evaluate: |law_inputs, p| {
+            rule: Rule::Code(|law_inputs, p| {
                 let (rate, derivatives, by_parameters) =
                     bend(law_inputs, [p[3], p[4]], ease(law_inputs[0], p));
                 shape::response(rate, &derivatives, &by_parameters)
-            },
+            }),
             formula: "speed - speed*tanh(speed/transition_speed)*state/deflection*static_torque/(torque + \
                       (static_torque - torque)*exp(-(speed/stribeck_speed)^2))",
             transition: |p| p[4],
@@ -113,10 +113,10 @@ pub(super) const STRIBECK: Effect = Effect {
         Law {
             law_inputs: &[LawInput::State],
             acts: Acts::Torque,
-            evaluate: |law_inputs, p| {
+            rule: Rule::Code(|law_inputs, p| {
                 let (pull, by_state, by_deflection) = pull(law_inputs[0], p[1], p[3]);
                 shape::response(pull, &[by_state], &[0.0, -law_inputs[0] / p[3], 0.0, by_deflection])
-            },
+            }),
             formula: "-static_torque*state/deflection",
             transition: shape::no_transition,
             inactive: |parameters| parameters[1] == 0.0,

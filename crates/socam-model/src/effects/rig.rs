@@ -2,7 +2,7 @@
 
 mod elements;
 
-pub use elements::{RigBearing, RigChannel, RigGear, RigNode, RigShaft, RigSpring};
+pub use elements::{RigBearing, RigChannel, RigGear, RigLaw, RigNode, RigShaft, RigSpring};
 
 use super::places::{ActsAt, is_part};
 use crate::{Model, Motion, Role};
@@ -51,6 +51,8 @@ pub struct Rig {
     pub bearings: Vec<RigBearing>,
     /// Channels, in the model's order.
     pub channels: Vec<RigChannel>,
+    /// Parameters of the candidates of the model file.
+    pub laws: Vec<RigLaw>,
 }
 
 /// Stiffness of a rigid contact or shaft as a multiple of the stiffest spring.
@@ -103,6 +105,7 @@ impl Rig {
             bearings: bearings.collect(),
             nodes: nodes.collect(),
             channels: channels.collect(),
+            laws: laws(model, values),
             ..Self::default()
         }
     }
@@ -249,6 +252,19 @@ fn modes_hz(model: &Model, values: &[f64]) -> Vec<f64> {
     let swinging =
         modes.iter().filter(|mode| mode.damping_ratio < OSCILLATES && mode.natural_frequency_hz > 0.0);
     swinging.map(|mode| mode.natural_frequency_hz).collect()
+}
+
+fn laws(model: &Model, values: &[f64]) -> Vec<RigLaw> {
+    let each = model.candidates.iter().flat_map(|law| {
+        law.effect.parameters.iter().zip(&law.parameters).map(|(own, index)| RigLaw {
+            law: law.effect.id,
+            parameter: own.name,
+            value: values[*index],
+            bounds: model.parameters[*index].bounds,
+            prior: model.parameters[*index].prior.map(|prior| (prior.value, prior.std)),
+        })
+    });
+    each.collect()
 }
 
 fn shafts(model: &Model, values: &[f64]) -> Vec<RigShaft> {

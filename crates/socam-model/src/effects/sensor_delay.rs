@@ -3,7 +3,8 @@
 use super::{
     definition::{
         ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Steady, all_zero, begin_with_little,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Rule, Steady, all_zero,
+        begin_with_little,
     },
     experiment,
     sensor_lag::SHORT,
@@ -63,7 +64,7 @@ pub(super) const AT_INPUT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Change],
         acts: Acts::Reading,
-        evaluate: |law_inputs, p| shape::response(-p[0] * law_inputs[0], &[-p[0]], &[-law_inputs[0]]),
+        rule: Rule::Code(|law_inputs, p| shape::response(-p[0] * law_inputs[0], &[-p[0]], &[-law_inputs[0]])),
         formula: "-delay*change",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,

@@ -3,7 +3,7 @@
 use super::{
     definition::{
         Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput, Linearisation,
-        Places, Prior, QuantityKind, Response, Steady, all_zero,
+        Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
     },
     experiment, shape, usual,
 };
@@ -19,7 +19,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Reading],
         acts: Acts::Reading,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "share*max(-2*reading, 0)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,

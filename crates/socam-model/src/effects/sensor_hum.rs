@@ -3,7 +3,7 @@
 use super::{
     definition::{
         ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
-        Linearisation, POSITIVE, Places, Prior, QuantityKind, Steady, begin_with_little, wave,
+        Linearisation, POSITIVE, Places, Prior, QuantityKind, Rule, Steady, begin_with_little, wave,
     },
     experiment, shape, usual,
 };
@@ -23,9 +23,9 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Time],
         acts: Acts::Reading,
-        evaluate: |law_inputs, p| {
+        rule: Rule::Code(|law_inputs, p| {
             shape::wave(p[0], std::f64::consts::TAU * p[1], p[2], law_inputs[0], std::f64::consts::TAU)
-        },
+        }),
         formula: "amplitude*sin(2*pi*frequency*time + phase)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,

@@ -3,7 +3,8 @@
 use super::{
     definition::{
         ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Steady, begin_with_little, wave,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Rule, Steady, begin_with_little,
+        wave,
     },
     experiment, shape, usual,
 };
@@ -23,7 +24,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Angle],
         acts: Acts::Reading,
-        evaluate: |law_inputs, p| shape::wave(p[0], p[1], p[2], law_inputs[0], 1.0),
+        rule: Rule::Code(|law_inputs, p| shape::wave(p[0], p[1], p[2], law_inputs[0], 1.0)),
         formula: "amplitude*sin(order*angle + phase)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,

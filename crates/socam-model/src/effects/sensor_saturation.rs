@@ -3,7 +3,7 @@
 use super::{
     definition::{
         Acts, ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
-        Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little,
+        Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady, begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -19,7 +19,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Reading],
         acts: Acts::Reading,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "0.5*(sqrt((reading + limit)^2 + 1e-12*limit^2) - sqrt((reading - limit)^2 + 1e-12*limit^2)) - \
                   reading",
         transition: shape::no_transition,
@@ -60,7 +60,7 @@ pub(super) const AT_INPUT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Reading],
         acts: Acts::Reading,
-        evaluate: cut_off,
+        rule: Rule::Code(cut_off),
         formula: "-0.5*excess*(1 + tanh(3000*(abs(reading)/limit - 0.999)))*sign(reading)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[1] == 0.0,

@@ -3,7 +3,7 @@
 use super::{
     effect::Effect,
     kinds::{EffectParameter, POSITIVE, QuantityKind},
-    law::{Acts, Form, Law, LawInput, Response},
+    law::{Acts, Form, Law, LawInput, Response, Rule},
     places::ActsAt,
     shape,
 };
@@ -17,7 +17,7 @@ pub(crate) static SERVO_LIMIT: Effect = Effect::bare(
     Form::Laws(&[Law {
         law_inputs: &[LawInput::Torque],
         acts: Acts::Torque,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "0.5*(sqrt((through + limit)^2 + 1e-6*limit^2) - sqrt((through - limit)^2 + 1e-6*limit^2)) - through",
         transition: |parameters| ROUNDING * parameters[0],
         inactive: shape::never,

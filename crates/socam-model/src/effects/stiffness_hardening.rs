@@ -3,7 +3,7 @@
 use super::{
     definition::{
         ANY, Acts, ActsAt, Amplitude, Borrowed, Condition, Discrepancy, Effect, EffectParameter, Equivalent,
-        Form, Law, LawInput, Linearisation, Places, Prior, QuantityKind, Response, Steady, all_zero,
+        Form, Law, LawInput, Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
         begin_with_little,
     },
     experiment, shape, usual,
@@ -20,7 +20,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Twist],
         acts: Acts::Torque,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "stiffness*cubic*twist^3",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,

@@ -4,7 +4,7 @@ use super::{
     coulomb_friction::FRICTION,
     definition::{
         Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Replaces, Response, Steady,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Replaces, Response, Rule, Steady,
         begin_with_little,
     },
     experiment, shape, usual,
@@ -26,7 +26,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "-(torque + (static_torque - \
                   torque)*exp(-(speed/stribeck_speed)^2))*tanh(speed/transition_speed)",
         transition: |parameters| parameters[3],

@@ -39,8 +39,8 @@ fn derivatives_of_every_law_agree_with_differences() {
         for law in effect.laws() {
             for seen in [[0.4, 0.01, 0.003], [-0.03, 0.02, -0.011], [3.0, -0.7, 0.4], [-1.2, 0.05, 0.02]] {
                 let seen = &seen[..law.law_inputs.len()];
-                let at = |seen: &[f64], parameters: &[f64]| (law.evaluate)(seen, parameters).torque;
-                let answer = (law.evaluate)(seen, &parameters);
+                let at = |seen: &[f64], parameters: &[f64]| law.evaluate(seen, parameters).torque;
+                let answer = law.evaluate(seen, &parameters);
                 let close = |derivative: f64, up: f64, down: f64, step: f64, what: &str| {
                     let difference = (up - down) / (2.0 * step);
                     let size = 1e-6 * (derivative.abs() + answer.torque.abs() / step.max(1e-3)) + 1e-7;

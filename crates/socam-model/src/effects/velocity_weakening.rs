@@ -4,7 +4,8 @@ use super::{
     coulomb_friction::FRICTION,
     definition::{
         ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Steady, begin_with_little,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
+        begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -25,7 +26,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Laws(&[Law {
         law_inputs: &[LawInput::Speed],
         acts: Acts::Torque,
-        evaluate,
+        rule: Rule::Code(evaluate),
         formula: "-torque*exp(-(speed/fall_speed)^2)",
         transition: shape::no_transition,
         inactive: |parameters| parameters[0] == 0.0,

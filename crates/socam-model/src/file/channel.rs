@@ -61,7 +61,10 @@ impl Reader<'_> {
         };
         let gain =
             raw.gain.as_ref().map(|gain| self.parameter("gain", gain, QuantityKind::Ratio)).transpose()?;
-        let (unit, suffix) = channel_unit(raw.quantity, self.rotational);
+        let (mut unit, suffix) = channel_unit(raw.quantity, self.rotational);
+        if raw.quantity == Quantity::Signal {
+            unit = self.signal_unit(label, &raw)?;
+        }
         let factor = self.factor(&name, &raw, take, unit)?;
         let suffix = if raw.unit.is_some() { "_1" } else { suffix };
         let name = name.into_inner();
@@ -80,6 +83,28 @@ impl Reader<'_> {
             between: raw.between.map(Spanned::into_inner),
             unit,
         })
+    }
+
+    /// Unit of a signal: that of its column.
+    fn signal_unit(&self, label: &str, raw: &RawChannel) -> Result<&'static str, ModelError> {
+        if let Some(take) = &raw.take {
+            return self
+                .fail(take, format!("channels.{label}.take is not for a signal, which is read as recorded"));
+        }
+        if let Some(unit) = &raw.unit {
+            let message = format!(
+                "channels.{label}.unit is not for a signal, whose unit is that of its column, as in column = \"oil_K\""
+            );
+            return self.fail(unit, message);
+        }
+        let own = raw.column.as_ref().map_or(Some("1"), |column| column_unit(column.get_ref()));
+        match (own, &raw.column) {
+            (None, Some(column)) => self.fail(
+                column,
+                format!("channels.{label} is a signal, whose unit is that of its column; write a column with a suffix, as in column = \"oil_K\""),
+            ),
+            (own, _) => Ok(own.unwrap_or("1")),
+        }
     }
 
     /// Factor from the transformed column to SI, to be multiplied by `scale`.
@@ -219,6 +244,7 @@ fn quantity_name(quantity: Quantity, rotational: bool) -> &'static str {
         (Quantity::Reference, _) => "a reference",
         (Quantity::Voltage, _) => "a voltage",
         (Quantity::Current, _) => "a current",
+        (Quantity::Signal, _) => "a signal",
         (Quantity::Time, _) => "a time",
         (Quantity::Turned, _) => "a turned angle",
         (Quantity::Change, _) => "a rate of change",
@@ -238,6 +264,7 @@ fn channel_unit(quantity: Quantity, rotational: bool) -> (&'static str, &'static
         (Quantity::Torque, false) => ("N", "_N"),
         (Quantity::Voltage, _) => ("V", "_V"),
         (Quantity::Current, _) => ("A", "_A"),
+        (Quantity::Signal, _) => ("1", "_1"),
         (Quantity::Time, _) => ("s", "_s"),
         (Quantity::Turned, _) => ("rad", "_rad"),
         (Quantity::Change, _) => ("1/s", ""),

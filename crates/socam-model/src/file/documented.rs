@@ -46,6 +46,7 @@ fn every_key_is_documented_and_no_other() {
         ("## `[[shafts]]`", format!("{plain}\n[[shafts]]\nzzz = 1\n")),
         ("## `[[bearings]]`", format!("{plain}\n[[bearings]]\nzzz = 1\n")),
         ("## `[servo]`", format!("{plain}\n[servo]\nzzz = 1\n")),
+        ("## `[[laws]]`", format!("{plain}\n[[laws]]\nzzz = 1\n")),
         ("## `[[effects]]`", format!("{plain}\n[[effects]]\nzzz = 1\n")),
         ("## `[channels.NAME]`", format!("{plain}\n[channels.zzz]\nzzz = 1\n")),
         ("### `quantity`", plain.replacen("quantity = \"torque\"", "quantity = \"zzz\"", 1)),

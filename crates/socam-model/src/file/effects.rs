@@ -18,7 +18,8 @@ impl Reader<'_> {
         let id = raw.effect.get_ref();
         let given = raw.parameters.0.iter().map(|(name, _)| name.get_ref().as_str());
         let acts_there = |effect: &Effect| model.places(effect).contains(&raw.at.get_ref().as_str());
-        let Some(effect) = effects::find_at(id, given, acts_there) else {
+        let own = model.candidates.iter().map(|own| own.effect).find(|effect| effect.id == id);
+        let Some(effect) = own.or_else(|| effects::find_at(id, given, acts_there)) else {
             let known: Vec<_> = effects::CATALOGUE.iter().map(|effect| effect.id).collect();
             let meant = meant(id, known.iter().copied());
             let message = format!("there is no effect \"{id}\"{meant}; effects are {}", known.join(", "));
@@ -34,7 +35,8 @@ impl Reader<'_> {
         }
         let known = |name: &str| effect.parameters.iter().any(|parameter| parameter.name == name);
         if let Some((name, _)) = raw.parameters.0.iter().find(|(name, _)| !known(name.get_ref())) {
-            let names = effects::parameters_of(id).join(", ");
+            let names: Vec<&str> = effect.parameters.iter().map(|own| own.name).collect();
+            let names = if effect.is_own() { names } else { effects::parameters_of(id) }.join(", ");
             return self.fail(name, format!("{id} has no parameter \"{}\"; it has {names}", name.get_ref()));
         }
         let mut indices = Vec::new();

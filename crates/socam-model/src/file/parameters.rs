@@ -217,7 +217,7 @@ fn si_name(dimension: socam_units::Dimension, file_unit: &str) -> String {
     match socam_units::parse(file_unit) {
         Some(unit) if unit.factor == 1.0 => file_unit.into(),
         _ => {
-            let names = ["kg", "m", "s", "A"];
+            let names = ["kg", "m", "s", "A", "K"];
             let factors = names.iter().zip(dimension).filter(|(_, power)| *power != 0);
             let text: Vec<_> = factors.map(|(name, power)| format!("{name}^{power}")).collect();
             if text.is_empty() { "1".into() } else { text.join(" ") }

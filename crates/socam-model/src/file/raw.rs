@@ -74,6 +74,8 @@ pub(super) struct RawModel {
     #[serde(default)]
     pub(super) effects: List<RawEffect>,
     #[serde(default)]
+    pub(super) laws: List<RawLaw>,
+    #[serde(default)]
     pub(super) motors: List<RawMotor>,
     pub(super) servo: Option<RawServo>,
     pub(super) channels: Ordered<RawChannel>,
@@ -173,6 +175,40 @@ pub(super) struct RawEffect {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a [[laws]] table")]
+pub(super) struct RawLaw {
+    pub(super) name: Name,
+    pub(super) at: Name,
+    #[serde(default = "curve_alone")]
+    pub(super) formula: Name,
+    pub(super) curve: Option<Spanned<RawCurve>>,
+    #[serde(default)]
+    pub(super) parameters: Ordered<Reference>,
+    #[serde(default)]
+    pub(super) inputs: Ordered<Name>,
+    #[serde(default)]
+    pub(super) candidate: bool,
+}
+
+/// The formula of a law that is a curve and nothing else.
+fn curve_alone() -> Name {
+    Spanned::new(0..0, crate::formula::CURVE.to_owned())
+}
+
+#[derive(Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { over = \"speed\", at = [0, 50], values = [0, 0.3], unit = \"N m\" }"
+)]
+pub(super) struct RawCurve {
+    pub(super) over: Name,
+    pub(super) at: Spanned<Vec<f64>>,
+    pub(super) at_unit: Option<Name>,
+    pub(super) values: Spanned<Vec<Reference>>,
+    pub(super) unit: Option<Name>,
+}
+
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a [servo] table")]
 pub(super) struct RawServo {
     pub(super) name: Name,
@@ -214,5 +250,6 @@ listed!(
     RawMotor = "motors",
     RawShaft = "shafts",
     RawBearing = "bearings",
-    RawEffect = "effects"
+    RawEffect = "effects",
+    RawLaw = "laws"
 );

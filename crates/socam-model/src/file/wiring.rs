@@ -33,7 +33,7 @@ impl Reader<'_> {
     /// Refuses nodes that are not connected to a node on which an input or effect acts, in a model that has inputs. One without any swings
     /// freely.
     fn check_reach(&self, model: &Model) -> Result<(), ModelError> {
-        if model.inputs().next().is_none() {
+        if !model.inputs().any(|input| input.quantity.drives()) {
             return Ok(());
         }
         let springs = model.springs.iter().filter_map(|spring| Some((spring.from, spring.to?)));
@@ -50,7 +50,8 @@ impl Reader<'_> {
             let motor = || model.motors.iter().find(|motor| motor.name == place).map(|motor| motor.node);
             node.or_else(spring).or_else(servo).or_else(motor)
         };
-        let driven = model.inputs().filter_map(|input| node_at(&input.at));
+        let driven = model.inputs().filter(|input| input.quantity.drives());
+        let driven = driven.filter_map(|input| node_at(&input.at));
         let pushed = model.effects.iter().filter_map(|used| match used.at {
             Site::Node(node) => Some(node),
             _ => None,

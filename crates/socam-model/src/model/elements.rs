@@ -122,6 +122,18 @@ pub struct EffectUse {
     pub parameters: Vec<usize>,
 }
 
+/// A law of the file that is no part of the model, but that a diagnosis tests beside the catalogue.
+#[derive(Debug, Clone)]
+pub struct CandidateLaw {
+    /// The law.
+    pub effect: &'static Effect,
+    /// Indices of the parameters that give its start values, bounds and priors, in the order of the effect's. They are fixed unless
+    /// something else uses them.
+    pub parameters: Vec<usize>,
+    /// Whether the file fixes each of them.
+    pub fixed: Vec<bool>,
+}
+
 /// The place of an effect, as indices into the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Site {

@@ -27,6 +27,9 @@ pub enum Quantity {
     Voltage,
     /// Current through the winding of a motor: an output.
     Current,
+    /// A recorded quantity that only laws read, such as a temperature: an input that exerts no torque. Its values are taken as exact, and
+    /// its unit is that of its column.
+    Signal,
     /// Time since the start of the recording, s: an input of laws only.
     #[serde(skip)]
     Time,
@@ -43,6 +46,18 @@ impl Quantity {
     #[must_use]
     pub fn is_clock(self) -> bool {
         matches!(self, Self::Time | Self::Turned | Self::Change)
+    }
+
+    /// Whether an input of this quantity drives the model: every one but clocks and signals, which only laws read.
+    #[must_use]
+    pub fn drives(self) -> bool {
+        !self.is_clock() && self != Self::Signal
+    }
+
+    /// Whether the values of an input of this quantity are taken as exact: clocks, set points and signals.
+    #[must_use]
+    pub fn is_exact(self) -> bool {
+        self.is_clock() || matches!(self, Self::Reference | Self::Signal)
     }
 }
 

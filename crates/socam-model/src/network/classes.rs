@@ -88,7 +88,7 @@ impl Assembly<'_> {
                 "channel {} is an angle; as an input it is added to the twist of a spring, and {} is none; the motion of a node is given as quantity = \"speed\", of an encoder's column with take = \"rate\"",
                 channel.name, channel.at
             )),
-            Quantity::Time | Quantity::Turned | Quantity::Change => Ok(()),
+            Quantity::Signal | Quantity::Time | Quantity::Turned | Quantity::Change => Ok(()),
             Quantity::Current => fail(format!(
                 "channel {} is a current, which is an output of a motor; where it drives the model, write quantity = \"torque\", at = a node and scale = the torque constant",
                 channel.name

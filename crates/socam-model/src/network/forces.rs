@@ -41,6 +41,7 @@ impl MotionMaps<'_, '_> {
                 Quantity::Voltage | Quantity::Current => {}
                 Quantity::Speed
                 | Quantity::Acceleration
+                | Quantity::Signal
                 | Quantity::Time
                 | Quantity::Turned
                 | Quantity::Change => {}

@@ -1,7 +1,12 @@
 //! The inputs of laws: for each port a row over states, inputs and ports.
 
 use super::motion::MotionMaps;
-use crate::{EffectUse, ModelError, Quantity, Site, effects::LawInput, file, jet::Jet};
+use crate::{
+    EffectUse, ModelError, Quantity, Site,
+    effects::LawInput,
+    file,
+    jet::{Jet, Scalar},
+};
 
 impl MotionMaps<'_, '_> {
     /// The row of a port's input.
@@ -37,6 +42,7 @@ impl MotionMaps<'_, '_> {
             }
             (LawInput::Time, ..) => self.clock(Quantity::Time),
             (LawInput::Change, ..) => self.input_named(&file::change_of(&used.place)),
+            (LawInput::Channel { channel, .. }, ..) => self.true_value(channel)?,
             (LawInput::State, ..) => {
                 let mut row = self.nothing();
                 row.add_at(0, self.owned[effect].0, &self.one());
@@ -60,6 +66,24 @@ impl MotionMaps<'_, '_> {
             row.add_at(0, self.first_input() + index, &self.one());
         }
         row
+    }
+
+    /// The true value of an input, or what the model predicts of an output, without gain and lag.
+    fn true_value(&self, name: &str) -> Result<Jet, ModelError> {
+        let model = self.a.model;
+        if let Some((index, input)) = model.inputs().enumerate().find(|(_, input)| input.name == name) {
+            let mut row = self.nothing();
+            let gain = self.gain(input);
+            for (column, sign) in self.driving(index, input) {
+                let sign = Scalar::constant(sign, self.a.wrt.len());
+                row.add_at(0, column, &gain.times(&sign));
+            }
+            return Ok(row);
+        }
+        match model.outputs().find(|output| output.name == name) {
+            Some(output) => self.output_row(output),
+            None => Ok(self.nothing()),
+        }
     }
 
     fn clock(&self, quantity: Quantity) -> Jet {

@@ -19,7 +19,8 @@ impl MotionMaps<'_, '_> {
         Ok(())
     }
 
-    fn output_row(&self, channel: &Channel) -> Result<Jet, ModelError> {
+    /// What an output would read with a perfect sensor.
+    pub(super) fn output_row(&self, channel: &Channel) -> Result<Jet, ModelError> {
         let model = self.a.model;
         if channel.quantity == Quantity::Torque {
             return self.torque_row(channel);
@@ -42,6 +43,10 @@ impl MotionMaps<'_, '_> {
             ))),
             Quantity::Voltage => Err(ModelError::Network(format!(
                 "channel {} is a voltage, which drives a motor; write role = \"input\", or measure the current",
+                channel.name
+            ))),
+            Quantity::Signal => Err(ModelError::Network(format!(
+                "channel {} is a signal, which laws read; write role = \"input\"",
                 channel.name
             ))),
             Quantity::Torque

@@ -32,6 +32,12 @@ impl Model {
         if let Some(gear) = self.gears.iter().find(|gear| values[gear.ratio] == 0.0) {
             return fail(gear.ratio, "anything but zero");
         }
+        for used in self.effects.iter().filter(|used| used.effect.is_own()) {
+            let mut divisors = used.effect.divisors().into_iter().map(|own| used.parameters[own]);
+            if let Some(index) = divisors.find(|index| values[*index] == 0.0) {
+                return fail(index, "anything but zero");
+            }
+        }
         for used in &self.effects {
             for (parameter, index) in used.effect.parameters.iter().zip(&used.parameters) {
                 // Laws divide by these. A time that may be negative is the delay of an input, which is not a divisor.

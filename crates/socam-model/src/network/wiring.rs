@@ -31,7 +31,8 @@ impl Model {
         warnings
     }
 
-    fn unused_parameters(&self) -> Vec<String> {
+    /// Whether an element, an effect or a channel uses each parameter.
+    pub(crate) fn used_parameters(&self) -> Vec<bool> {
         let nodes = self.nodes.iter().filter_map(|node| node.inertia);
         let springs =
             self.springs.iter().flat_map(|spring| [Some(spring.stiffness), spring.damping]).flatten();
@@ -50,6 +51,12 @@ impl Model {
         let all = nodes.chain(springs).chain(gears).chain(mixed).chain(bearings).chain(windings);
         let all = all.chain(servo).chain(effects).chain(channels);
         all.for_each(|index| used[index] = true);
+        used
+    }
+
+    fn unused_parameters(&self) -> Vec<String> {
+        let mut used = self.used_parameters();
+        self.candidates.iter().flat_map(|own| &own.parameters).for_each(|index| used[*index] = true);
         let unused = self.parameters.iter().zip(used).filter(|(_, used)| !used);
         let sentence = |name: &str| {
             format!(
@@ -57,6 +64,16 @@ impl Model {
             )
         };
         unused.map(|(parameter, _)| sentence(&parameter.name)).collect()
+    }
+}
+
+impl Model {
+    /// Fixes the parameters that only candidates use: the model does not depend on them.
+    pub(crate) fn fix_candidates(&mut self) {
+        let used = self.used_parameters();
+        for index in self.candidates.iter().flat_map(|own| &own.parameters).filter(|index| !used[**index]) {
+            self.parameters[*index].fixed = true;
+        }
     }
 }
 
@@ -92,7 +109,7 @@ impl Assembly<'_> {
         let name = &model.nodes[node].name;
         let bearing = model.bearings.iter().any(|bearing| bearing.node == node);
         let servo = model.servo.as_ref().is_some_and(|servo| servo.node == node);
-        let driven = model.inputs().any(|input| input.at == *name && !input.quantity.is_clock());
+        let driven = model.inputs().any(|input| input.at == *name && input.quantity.drives());
         let effect = model.effects.iter().any(|used| used.place == *name);
         let motor = model.motors.iter().any(|motor| motor.node == node);
         let mixed = model.differentials.iter().any(|d| d.to == node || d.from.contains(&node));
@@ -209,7 +226,7 @@ impl Assembly<'_> {
                 (Role::Input, Quantity::Speed | Quantity::Angle | Quantity::Acceleration)
                 | (Role::Output, Quantity::Torque)
                 | (_, Quantity::Voltage | Quantity::Current)
-                | (_, Quantity::Reference | Quantity::Time | Quantity::Turned | Quantity::Change) => {}
+                | (_, Quantity::Reference | Quantity::Signal | Quantity::Time | Quantity::Turned | Quantity::Change) => {}
             }
         }
         found

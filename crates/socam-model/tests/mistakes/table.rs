@@ -192,7 +192,7 @@ pub(crate) const MISTAKES: &[[&str; 4]] = &[
         "unknown quantity",
         "quantity = \"speed\"",
         "quantity = \"velocity\"",
-        "line 44: there is no `velocity` here (is `speed` meant?), expected one of `speed`, `angle`, `position`, `acceleration`, `force`, `torque`, `reference`, `voltage`, `current`",
+        "line 44: there is no `velocity` here (is `speed` meant?), expected one of `speed`, `angle`, `position`, `acceleration`, `force`, `torque`, `reference`, `voltage`, `current`, `signal`",
     ],
     [
         "two speeds prescribed at one node",
@@ -295,5 +295,59 @@ pub(crate) const MISTAKES: &[[&str; 4]] = &[
         "[channels.motor_torque]",
         "[[effects]]\neffect = \"coulomb_friction\"\nat = \"load_bearing\"\nparameters = { force = \"T_c\" }\n[channels.motor_torque]",
         "line 42: coulomb_friction has no parameter \"force\"; it has torque, transition_speed, deflection",
+    ],
+    [
+        "a law in the wrong unit",
+        "[channels.motor_torque]",
+        "[[laws]]\nname = \"mine\"\nat = \"load_bearing\"\nformula = \"-speed*a\"\nparameters = { a = \"T_c\" }\n[channels.motor_torque]",
+        "line 42: laws.mine.formula is in \"N m/s\", but at load_bearing it gives a torque in \"N m\"; a factor in \"s\" is missing",
+    ],
+    [
+        "units that do not add up in a law",
+        "[channels.motor_torque]",
+        "[[laws]]\nname = \"mine\"\nat = \"load_bearing\"\nformula = \"-a*tanh(angle) - load_speed\"\nparameters = { a = \"T_c\" }\n[channels.motor_torque]",
+        "line 42: laws.mine.formula, character 16: - joins \"N m\" and \"rad/s\"; both must have one unit",
+    ],
+    [
+        "a function of a number with a unit",
+        "[channels.motor_torque]",
+        "[[laws]]\nname = \"mine\"\nat = \"load_bearing\"\nformula = \"-a*tanh(speed)\"\nparameters = { a = \"T_c\" }\n[channels.motor_torque]",
+        "line 42: laws.mine.formula, character 4: tanh needs a number without unit, and this is in \"rad/s\"; divide it by a parameter in that unit",
+    ],
+    [
+        "unknown name in a law",
+        "[channels.motor_torque]",
+        "[[laws]]\nname = \"mine\"\nat = \"load_bearing\"\nformula = \"-a*cos(agnle)\"\nparameters = { a = \"T_c\" }\n[channels.motor_torque]",
+        "line 42: laws.mine.formula, character 8: there is no agnle at a bearing (is `angle` meant?); the formula may name speed, angle, time, keys of parameters and inputs, [parameters] and channels",
+    ],
+    [
+        "a jump in a law",
+        "[channels.motor_torque]",
+        "[[laws]]\nname = \"mine\"\nat = \"load_bearing\"\nformula = \"-a*sign(speed)\"\nparameters = { a = \"T_c\" }\n[channels.motor_torque]",
+        "line 42: laws.mine.formula, character 4: sign jumps where its argument is 0, and no motion does; write tanh(x/width) with a width as a parameter",
+    ],
+    [
+        "missing bracket in a law",
+        "[channels.motor_torque]",
+        "[[laws]]\nname = \"mine\"\nat = \"load_bearing\"\nformula = \"-a*tanh(2*(angle)\"\nparameters = { a = \"T_c\" }\n[channels.motor_torque]",
+        "line 42: laws.mine.formula, character 18: the bracket of character 8 is open; write \")\"",
+    ],
+    [
+        "unknown function in a law",
+        "[channels.motor_torque]",
+        "[[laws]]\nname = \"mine\"\nat = \"load_bearing\"\nformula = \"-a*tan(angle)\"\nparameters = { a = \"T_c\" }\n[channels.motor_torque]",
+        "line 42: laws.mine.formula, character 4: there is no function tan; functions are abs, sign, sqrt, exp, log, sin, cos, tanh, atan, min, max",
+    ],
+    [
+        "program text in a law",
+        "[channels.motor_torque]",
+        "[[laws]]\nname = \"mine\"\nat = \"load_bearing\"\nformula = \"a if angle > 0 else -a\"\nparameters = { a = \"T_c\" }\n[channels.motor_torque]",
+        "line 42: laws.mine.formula, character 3: an operator is missing; write one of + - * / ^ here, as in 2*speed",
+    ],
+    [
+        "unknown place of a law",
+        "[channels.motor_torque]",
+        "[[laws]]\nname = \"mine\"\nat = \"lood\"\nformula = \"-a*cos(angle)\"\nparameters = { a = \"T_c\" }\n[channels.motor_torque]",
+        "line 41: a law acts at a bearing, spring, gear, node or channel, and \"lood\" is none (is `load` meant?); write at = one of motor_bearing, load_bearing, shaft, motor, load, motor_torque, motor_speed, load_speed",
     ],
 ];

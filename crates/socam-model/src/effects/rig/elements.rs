@@ -63,6 +63,21 @@ pub struct RigBearing {
     pub damping: f64,
 }
 
+/// A parameter of a candidate of the model file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RigLaw {
+    /// Name of the law.
+    pub law: &'static str,
+    /// Name of the parameter in its formula.
+    pub parameter: &'static str,
+    /// Value in the file, SI.
+    pub value: f64,
+    /// Least and greatest value, SI.
+    pub bounds: (f64, f64),
+    /// Mean and standard deviation of its prior, SI, where the file gives one.
+    pub prior: Option<(f64, f64)>,
+}
+
 /// Scales of a channel.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RigChannel {

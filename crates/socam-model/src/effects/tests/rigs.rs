@@ -6,7 +6,7 @@ use crate::{
 };
 
 fn evaluate(effect: &Effect, law_inputs: &[f64], parameters: &[f64]) -> f64 {
-    (effect.laws()[0].evaluate)(law_inputs, parameters).torque
+    effect.laws()[0].evaluate(law_inputs, parameters).torque
 }
 
 /// The servo of the BAM data set loses 0.272 (|T_motor| + |T_arm|), which is a fraction of 0.428 of the entering torque in either direction.
