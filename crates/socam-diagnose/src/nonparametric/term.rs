@@ -14,9 +14,10 @@ use crate::{
 };
 
 /// Centres of the raised cosines of a curve, as shares of the distance from the middle of its range to its end: evenly spaced, and over the
-/// speed of a bearing closer to standstill, where laws of friction bend.
+/// speed of a bearing with more of them at standstill, where laws of friction bend.
 const EVEN: &[f64] = &[-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
-const CLOSER_TO_REST: &[f64] = &[-1.0, -0.5, -0.25, -0.125, -0.0625, 0.0, 0.0625, 0.125, 0.25, 0.5, 1.0];
+const CLOSER_TO_REST: &[f64] =
+    &[-1.0, -0.75, -0.5, -0.25, -0.125, -0.0625, 0.0, 0.0625, 0.125, 0.25, 0.5, 0.75, 1.0];
 /// Number of orders of a curve over one turn.
 const ORDERS: usize = 4;
 /// Number of intervals at which a curve over one turn is drawn.

@@ -3,6 +3,8 @@
 mod known;
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use rusqlite::{Connection, OpenFlags, OptionalExtension};
@@ -15,7 +17,12 @@ use crate::source::{Source, Wanted};
 pub(super) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
     let damaged = |error: rusqlite::Error| ImportError::damaged(path, error);
     let bag = open(path)?;
-    if !is_table(&bag, "topics").map_err(damaged)? || !is_table(&bag, "messages").map_err(damaged)? {
+    let has_tables =
+        is_table(&bag, "topics").map_err(damaged)? && is_table(&bag, "messages").map_err(damaged)?;
+    if !has_tables && is_cut(path).unwrap_or(false) {
+        return Err(ImportError::damaged(path, "its header names more pages than there are"));
+    }
+    if !has_tables {
         let problem = "is an SQLite database and no bag of ROS 2: it has no tables `topics` and `messages`; export its table as .csv";
         return Err(ImportError::file(path, problem));
     }
@@ -53,6 +60,19 @@ fn open(path: &Path) -> Result<Connection> {
         Ok(bag)
     });
     opened.map_err(|error| ImportError::damaged(path, error))
+}
+
+/// Whether a database is shorter than its header says: <https://www.sqlite.org/fileformat.html>, 1.3.
+fn is_cut(path: &Path) -> std::io::Result<bool> {
+    let mut header = [0; 32];
+    let mut file = File::open(path)?;
+    file.read_exact(&mut header)?;
+    let page_size = match u64::from(u16::from_be_bytes([header[16], header[17]])) {
+        1 => 1 << 16,
+        size => size,
+    };
+    let pages = u64::from(u32::from_be_bytes([header[28], header[29], header[30], header[31]]));
+    Ok(file.metadata()?.len() < page_size * pages)
 }
 
 /// Whether there is a table of this name; views and virtual tables compute what they hold, without end if they like.

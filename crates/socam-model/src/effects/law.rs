@@ -3,7 +3,7 @@
 use crate::formula::Tape;
 
 /// Largest number of parameters of a law, borrowed ones included.
-pub const MAX_PARAMETERS: usize = 10;
+pub const MAX_PARAMETERS: usize = 14;
 /// Largest number of inputs of a law.
 pub const MAX_LAW_INPUTS: usize = 4;
 
