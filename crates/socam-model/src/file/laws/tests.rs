@@ -194,10 +194,13 @@ fn what_is_no_law_is_explained() {
     assert!(Model::parse(&text(BRAKE, &bent, "")).is_ok());
     let bent = law("load_bearing", "-(friction^2)^0.5*tanh(speed/width)", "candidate = true");
     assert!(error(BRAKE, &bent, "").contains("a candidate needs parameters in which its formula is linear"));
-    let names: Vec<String> = (0..11).map(|index| format!("p{index}")).collect();
+    let names: Vec<String> = (0..=effects::MAX_PARAMETERS).map(|index| format!("p{index}")).collect();
     let parameters: String =
         names.iter().map(|name| format!("{name} = {{ value = 1, unit = \"N m\" }}\n")).collect();
-    assert!(error(&parameters, &law("load_bearing", &names.join("+"), ""), "").contains("11 parameters"));
+    assert!(
+        error(&parameters, &law("load_bearing", &names.join("+"), ""), "")
+            .contains(&format!("{} parameters", names.len()))
+    );
     let zero = BRAKE.replace("value = 5", "value = 0");
     assert!(error(&zero, &twice, LOAD).contains("divides by width, which is 0"));
 }
