@@ -2,7 +2,7 @@
 
 use socam_model::{
     Model, Motion,
-    effects::{self, Amplitude, Rig, Values},
+    effects::{Amplitude, Rig, Values},
 };
 
 use crate::{
@@ -20,8 +20,7 @@ pub(crate) fn all(model: &Model, scales: &Scales) -> Vec<Candidate> {
     let mut found = Vec::new();
     // Effects that are periodic in the angle need a rotating model.
     let turns = model.motion == Motion::Rotation;
-    let own = model.candidates.iter().map(|law| law.effect);
-    for effect in effects::screened().chain(own).filter(|effect| turns || !effect.is_by_turn()) {
+    for effect in model.screened().filter(|effect| turns || !effect.is_by_turn()) {
         for place in effect.places_in(model) {
             let starts = effect.starts_in(&scales.rig, &place);
             let speed = scales.rig.speed_at(effect.acts_at, &place);

@@ -9,6 +9,7 @@ use crate::{
     answer::{self, inputs::Inputs},
     context::Context,
     error::DiagnoseError,
+    extension::carried_over,
     final_choice::FinalChoice,
     forward,
     held_out::HeldOut,
@@ -121,8 +122,7 @@ pub fn diagnose(
     let (path, after) = (choice.path(), choice.estimates());
     let corrected = &path.last.model;
     let source = if path.unexamined.is_none() { "diagnosis" } else { "unfinished diagnosis" };
-    let model_toml = corrected.text_with(&updates(corrected, after, source))?;
-    let model_toml = with_curve(path, model_toml, source)?;
+    let model_toml = corrected_file(path, after, source)?;
     let step_s = training.first().map_or(1e-3, Dataset::sample_time_s);
     let pairs = Pair::all(&context, path, proof)?;
     let (levels, whole) = (path.levels(&context)?, path.whole());
@@ -165,20 +165,25 @@ pub(crate) fn levels(model: &Model, fit: &Identification) -> NoiseLevels {
     NoiseLevels { outputs, inputs: model.inputs().map(|input| own(&input.name)).collect() }
 }
 
-/// The free parameters' estimates as updates of a model file; `source` is where they are from.
-/// The corrected model's file with the curve of the nonparametric term as a law, and the parameters' values beside it.
-fn with_curve(path: &Path, model_toml: String, source: &str) -> Result<String, DiagnoseError> {
-    let Some(found) = &path.unexplained else { return Ok(model_toml) };
-    let (model, values) = (&found.fitted.model, &found.fitted.at.values);
-    let own = path.last.model.parameters.iter().filter(|parameter| !parameter.fixed);
-    let beside = own.filter_map(|parameter| {
-        let value = *values.get(model.parameter(&parameter.name)?)?;
-        Some(Update { name: parameter.name.clone(), value, ci95: None, source: source.into() })
+/// The corrected model's file: with the estimates; where a curve was found, with the values that were fitted beside it and the curve as a law.
+fn corrected_file(path: &Path, after: &Identification, source: &str) -> Result<String, DiagnoseError> {
+    let corrected = &path.last.model;
+    let Some(found) = &path.unexplained else {
+        return Ok(corrected.text_with(&updates(corrected, after, source))?);
+    };
+    let values = carried_over((&found.fitted.model, &found.fitted.at.values), corrected);
+    let free = corrected.parameters.iter().zip(values).filter(|(parameter, _)| !parameter.fixed);
+    let beside = free.map(|(parameter, value)| Update {
+        name: parameter.name.clone(),
+        value,
+        ci95: None,
+        source: source.into(),
     });
-    let text = Model::parse(&model_toml)?.text_with(&beside.collect::<Vec<_>>())?;
+    let text = corrected.text_with(&beside.collect::<Vec<_>>())?;
     Ok(Model::parse(&text)?.text_with_law(&found.law(), source)?)
 }
 
+/// The free parameters' estimates as updates of a model file; `source` is where they are from.
 fn updates(model: &Model, fit: &Identification, source: &str) -> Vec<Update> {
     let free = model.parameters.iter().zip(&fit.parameters).zip(&fit.point);
     free.filter(|((parameter, _), _)| !parameter.fixed)

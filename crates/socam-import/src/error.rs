@@ -51,6 +51,14 @@ pub enum ImportError {
     Recording(#[from] socam_recording::RecordingError),
 }
 
+/// The first of many in words, and how many more there are.
+pub(crate) fn few<T>(all: &[T], shown: usize, words: impl Fn(&T) -> String) -> String {
+    let named: Vec<String> = all.iter().take(shown).map(words).collect();
+    let more = all.len().saturating_sub(shown);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    format!("{}{more}", named.join(", "))
+}
+
 impl ImportError {
     pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
         Self::Io { path: path.into(), source }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use socam_recording::SettingsError;
 
-use crate::error::{ImportError, Result};
+use crate::error::{ImportError, Result, few};
 use crate::formats::Hints;
 use crate::mapping::{ChannelMap, Clock, Mapping, Stamps, Time};
 use crate::source::{DATE_UNIT_S, Found, Signal, Source, Wanted};
@@ -208,11 +208,5 @@ fn likeness(a: &str, b: &str) -> f64 {
 /// The first names of many.
 fn listed(names: &[String]) -> String {
     const SHOWN: usize = 12;
-    let shown: Vec<String> = names.iter().take(SHOWN).map(|name| format!("`{name}`")).collect();
-    let more = names.len().saturating_sub(SHOWN);
-    match (shown.is_empty(), more) {
-        (true, _) => "none".into(),
-        (false, 0) => shown.join(", "),
-        (false, more) => format!("{} and {more} more", shown.join(", ")),
-    }
+    if names.is_empty() { "none".into() } else { few(names, SHOWN, |name| format!("`{name}`")) }
 }

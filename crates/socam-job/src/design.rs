@@ -202,7 +202,7 @@ fn rival(base: &Model, effect: &str, place: &str, known: &[(&str, f64)]) -> Resu
         .ok_or_else(|| JobError::Inputs(format!("there is no effect {effect}")))?;
     let rotates = base.motion == socam_model::Motion::Rotation;
     let of_file = |name: &str| {
-        let law = base.candidates.iter().find(|law| law.effect.id == effect)?;
+        let law = base.candidate(effect)?;
         let own = law.effect.parameters.iter().position(|own| own.name == name)?;
         Some(base.parameters[law.parameters[own]].value)
     };

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use serde::{Deserialize, Serialize};
 use socam_diagnose::{Answer, Diagnosis, Evidence, HeldOut, SteadyOptions};
 use socam_identify::{Budget, ProgressMonitor};
-use socam_model::{Model, effects};
+use socam_model::Model;
 use socam_recording::{Dataset, Format, Steady, detect};
 
 use crate::error::{JobError, Result};
@@ -218,10 +218,9 @@ impl Diagnose {
                 return Err(wrong("expected EFFECT@PLACE, as in coulomb_friction@motor_bearing".into()));
             };
             // An effect that acts on inputs by another law is listed twice.
-            let all = || effects::screened().chain(model.candidates.iter().map(|law| law.effect));
-            let own = || all().filter(|effect| effect.id == id);
+            let own = || model.screened().filter(|effect| effect.id == id);
             if own().next().is_none() {
-                let mut known: Vec<&str> = all().map(|effect| effect.id).collect();
+                let mut known: Vec<&str> = model.screened().map(|effect| effect.id).collect();
                 known.dedup();
                 return Err(wrong(format!("there is no effect `{id}`; expected {}", known.join(", "))));
             }

@@ -14,7 +14,7 @@ use tokio::{
 use crate::{
     error::{McpError, Result},
     schema,
-    tools::{Takes, Tool},
+    tools::{Argument, Takes, Tool},
 };
 
 /// Largest answer, bytes. A document of a diagnosis has about 50,000.
@@ -40,49 +40,22 @@ pub(crate) fn words(
     mut given: Map<String, Value>,
     folder: Option<&Path>,
 ) -> Result<Vec<String>> {
-    let mut words: Vec<String> = tool.command.iter().map(|word| (*word).to_owned()).collect();
-    let mut files = Vec::new();
     if let Some(argument) =
         tool.arguments.iter().find(|one| folder.is_none() && one.is_written() && given.contains_key(one.name))
     {
         let expected = "a server that may write: one started with `--write DIR`".into();
         return Err(McpError::Argument { name: argument.name.into(), expected });
     }
+    let mut words: Vec<String> = tool.command.iter().map(|word| (*word).to_owned()).collect();
+    let mut files = Vec::new();
     for argument in schema::arguments(tool, folder) {
-        let value = given.remove(argument.name).filter(|value| !value.is_null());
-        let expects = |expected: &str| McpError::Argument {
-            name: argument.name.into(),
-            expected: format!("{expected}: {}", argument.about),
-        };
-        let Some(value) = value else {
-            if argument.is_required {
-                return Err(expects("a value"));
+        match given.remove(argument.name).filter(|value| !value.is_null()) {
+            Some(value) => {
+                let own = words_of(argument, &value, folder)?;
+                if argument.is_file() { files.extend(own) } else { words.extend(own) }
             }
-            continue;
-        };
-        let text = || value.as_str().map(str::to_owned).ok_or_else(|| expects("a text"));
-        let texts = || {
-            let all =
-                value.as_array().filter(|all| !all.is_empty()).ok_or_else(|| expects("a list of texts"))?;
-            let texts = all.iter().map(|one| one.as_str().map(str::to_owned));
-            texts.collect::<Option<Vec<String>>>().ok_or_else(|| expects("a list of texts"))
-        };
-        match argument.takes {
-            Takes::Files => files.extend(texts()?),
-            Takes::File => files.push(text()?),
-            Takes::Flagged(flag) => words.extend(texts()?.into_iter().map(|file| format!("{flag}={file}"))),
-            Takes::One(flag) => words.push(format!("{flag}={}", text()?)),
-            Takes::Word(flag, known) => {
-                let word = text()?;
-                if !known.contains(&word.as_str()) {
-                    return Err(expects(&format!("one of {}", known.join(", "))));
-                }
-                words.push(if flag.is_empty() { word } else { format!("{flag}={word}") });
-            }
-            Takes::Written(flag) => {
-                let path = below(folder.unwrap_or(Path::new("")), &text()?)?;
-                words.push(format!("{flag}={}", path.display()));
-            }
+            None if argument.is_required => return Err(argument.expects("a value")),
+            None => {}
         }
     }
     match tool.task {
@@ -101,6 +74,43 @@ pub(crate) fn words(
         words.extend(files);
     }
     Ok(words)
+}
+
+/// The words of one argument.
+fn words_of(argument: &Argument, value: &Value, folder: Option<&Path>) -> Result<Vec<String>> {
+    let text = || value.as_str().map(str::to_owned).ok_or_else(|| argument.expects("a text"));
+    let texts = || {
+        let all = value.as_array().filter(|all| !all.is_empty());
+        let all = all.and_then(|all| all.iter().map(|one| one.as_str().map(str::to_owned)).collect());
+        all.ok_or_else(|| argument.expects("a list of texts"))
+    };
+    match argument.takes {
+        Takes::Files => texts(),
+        Takes::File => Ok(vec![text()?]),
+        Takes::Flagged(flag) => {
+            let files: Vec<String> = texts()?;
+            Ok(files.into_iter().map(|file| format!("{flag}={file}")).collect())
+        }
+        Takes::One(flag) => Ok(vec![format!("{flag}={}", text()?)]),
+        Takes::Word(flag, known) => {
+            let word = text()?;
+            if !known.contains(&word.as_str()) {
+                return Err(argument.expects(&format!("one of {}", known.join(", "))));
+            }
+            Ok(vec![if flag.is_empty() { word } else { format!("{flag}={word}") }])
+        }
+        Takes::Written(flag) => {
+            let path = below(folder.unwrap_or(Path::new("")), &text()?)?;
+            Ok(vec![format!("{flag}={}", path.display())])
+        }
+    }
+}
+
+impl Argument {
+    /// The error for a value that is not what it takes.
+    fn expects(&self, expected: &str) -> McpError {
+        McpError::Argument { name: self.name.into(), expected: format!("{expected}: {}", self.about) }
+    }
 }
 
 /// A path below a folder.

@@ -41,6 +41,11 @@ pub(crate) struct Tool {
 }
 
 impl Argument {
+    /// Whether it names files that are arguments of the command.
+    pub(crate) const fn is_file(&self) -> bool {
+        matches!(self.takes, Takes::Files | Takes::File)
+    }
+
     /// Whether it names what is written.
     pub(crate) const fn is_written(&self) -> bool {
         matches!(self.takes, Takes::Written(_))

@@ -99,18 +99,6 @@ impl Model {
     }
 }
 
-impl Model {
-    /// The candidate of the file with this id, or the effect of the catalogue with this id and these parameters, see [`effects::find_with`].
-    pub fn effect_with<'n>(
-        &self,
-        id: &str,
-        given: impl Iterator<Item = &'n str> + Clone,
-    ) -> Option<&'static effects::Effect> {
-        let own = self.candidates.iter().map(|own| own.effect).find(|effect| effect.id == id);
-        own.or_else(|| effects::find_with(id, given))
-    }
-}
-
 /// See [`Model::text_with`].
 fn write(text: &str, parameters: &[Parameter], updates: &[Update]) -> Result<String, ModelError> {
     let mut document = parsed(text)?;
@@ -193,7 +181,7 @@ fn add_effect(
 ) -> Result<String, ModelError> {
     let mut document = parsed(&model.text)?;
     let known = model.effect_with(effect, values.iter().map(|(name, _)| *name));
-    let candidate = model.candidates.iter().find(|law| law.effect.id == effect);
+    let candidate = model.candidate(effect);
     let mut used = InlineTable::new();
     for (name, number) in values {
         let own = known.and_then(|known| known.parameters.iter().find(|p| p.name == *name));

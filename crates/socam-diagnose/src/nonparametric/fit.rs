@@ -73,11 +73,9 @@ pub(super) fn fitted(
     let (last, term, std) = (&path.last, &scored.term, &scored.score.std);
     let begun = (&last.model, &*last.at.values);
     let from_zero = fitted_with_term(context, begun, &path.noise, (term, std), &[])?;
-    let law = named.and_then(|named| Some((&named.fitted, term.heights_of(&named.fitted)?)));
-    let from_law = match &law {
-        Some((fitted, heights)) => {
-            let begun = (&fitted.model, &*fitted.at.values);
-            fitted_with_term(context, begun, &path.noise, (term, std), heights)?
+    let from_law = match named.and_then(|named| Some((&named.fitted, term.heights_of(&named.fitted)?))) {
+        Some((FittedModel { model, at, .. }, heights)) => {
+            fitted_with_term(context, (model, &at.values), &path.noise, (term, std), &heights)?
         }
         None => None,
     };

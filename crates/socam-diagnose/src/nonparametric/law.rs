@@ -9,7 +9,6 @@ use super::{
     },
     term::{Action, Unexplained},
 };
-use crate::document::Over;
 
 /// Name of the law in the file.
 pub(crate) const NAME: &str = "unexplained";
@@ -116,8 +115,7 @@ impl Unexplained {
     /// Range of the curve in words; `None` for harmonics, which repeat.
     pub(crate) fn range(&self) -> Option<String> {
         let (least, most) = (self.curve.x.first()?, self.curve.x.last()?);
-        let drawn = self.curve.over != Over::Angle || !self.term.is_by_turn();
-        drawn.then(|| {
+        (!self.term.is_by_turn()).then(|| {
             let [least, most] = [least, most].map(|x| crate::words::short(*x));
             format!("{least} to {most} {}", self.curve.unit)
         })

@@ -93,17 +93,10 @@ impl NonparametricTerm {
         let shares = if self.is_any_of(&[&BEARING_SPEED]) { CLOSER_TO_REST } else { EVEN };
         let (middle, half) = (0.5 * (self.range.0 + self.range.1), 0.5 * (self.range.1 - self.range.0));
         let centres: Vec<f64> = shares.iter().map(|share| middle + half * share).collect();
-        let last = centres.len() - 1;
-        let width_to = |point: usize, other: usize| (centres[point] - centres[other]).abs();
-        let widths = |point: usize| match point {
-            0 => [width_to(0, 1); 2],
-            end if end == last => [width_to(last, last - 1); 2],
-            point => [width_to(point, point - 1), width_to(point, point + 1)],
-        };
-        (0..=last)
-            .map(|point| [&[centres[point]][..], &widths(point)].concat())
-            .map(|all| [all[0], all[1], all[2]])
-            .collect()
+        let gaps: Vec<f64> = centres.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let last = gaps.len() - 1;
+        let each = centres.iter().enumerate();
+        each.map(|(point, centre)| [*centre, gaps[point.saturating_sub(1)], gaps[point.min(last)]]).collect()
     }
 
     /// Heights with which the term follows the law of an effect that was fitted at its place; `None` where that law does not depend on the

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use crate::error::{ImportError, Result};
+use crate::error::{ImportError, Result, few};
 
 /// Why a file ends before its end: words for an error or a note.
 pub(super) type Problem = String;
@@ -108,8 +108,6 @@ pub(super) fn left_aside(what: &str, names: &[String]) -> Option<socam_recording
     if names.is_empty() {
         return None;
     }
-    let shown: Vec<String> = names.iter().take(SHOWN).map(|name| format!("`{name}`")).collect();
-    let more = names.len().saturating_sub(SHOWN);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    Some(socam_recording::Warning::Note(format!("{what} left aside: {}{more}", shown.join(", "))))
+    let names = few(names, SHOWN, |name| format!("`{name}`"));
+    Some(socam_recording::Warning::Note(format!("{what} left aside: {names}")))
 }

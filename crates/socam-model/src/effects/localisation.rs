@@ -1,14 +1,35 @@
 //! Places of a model at which an effect may act, and at which a diagnosis tests it.
 
 use super::{
+    catalogue::{find_with, screened},
     effect::Effect,
     kinds::QuantityKind,
     law::{Borrowed, Form, LawInput},
     places::{ActsAt, Places, is_part},
 };
-use crate::{Channel, ChannelTransform, Model, Motion, Quantity, Role};
+use crate::{CandidateLaw, Channel, ChannelTransform, Model, Motion, Quantity, Role};
 
 impl Model {
+    /// The candidate of the file with this name.
+    #[must_use]
+    pub fn candidate(&self, name: &str) -> Option<&CandidateLaw> {
+        self.candidates.iter().find(|own| own.effect.id == name)
+    }
+
+    /// The candidate of the file with this id, or the effect of the catalogue with this id and these parameters, see [`find_with`].
+    pub fn effect_with<'n>(
+        &self,
+        id: &str,
+        given: impl Iterator<Item = &'n str> + Clone,
+    ) -> Option<&'static Effect> {
+        self.candidate(id).map(|own| own.effect).or_else(|| find_with(id, given))
+    }
+
+    /// All effects that a diagnosis tests in its first score test: those of [`screened`] and the candidates of the file.
+    pub fn screened(&self) -> impl Iterator<Item = &'static Effect> + '_ {
+        screened().chain(self.candidates.iter().map(|own| own.effect))
+    }
+
     /// SI unit of a parameter of this kind at a place. [`QuantityKind::Gain`] has the unit of the channel of that name, or "1" where there is none.
     ///
     /// ```

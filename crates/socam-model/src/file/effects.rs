@@ -18,7 +18,7 @@ impl Reader<'_> {
         let id = raw.effect.get_ref();
         let given = raw.parameters.0.iter().map(|(name, _)| name.get_ref().as_str());
         let acts_there = |effect: &Effect| model.places(effect).contains(&raw.at.get_ref().as_str());
-        let own = model.candidates.iter().map(|own| own.effect).find(|effect| effect.id == id);
+        let own = model.candidate(id).map(|own| own.effect);
         let Some(effect) = own.or_else(|| effects::find_at(id, given, acts_there)) else {
             let known: Vec<_> = effects::CATALOGUE.iter().map(|effect| effect.id).collect();
             let meant = meant(id, known.iter().copied());

@@ -7,7 +7,7 @@ use socam_recording::Warning;
 
 use super::Frame;
 use super::database::{Database, EXTENDED};
-use crate::error::{ImportError, Result};
+use crate::error::{ImportError, Result, few};
 use crate::source::{Group, Signal, Source, Wanted};
 
 /// Name of a group's clock.
@@ -135,9 +135,5 @@ fn identifiers(unknown: &HashMap<u32, usize>) -> String {
     const SHOWN: usize = 8;
     let mut all: Vec<(u32, usize)> = unknown.iter().map(|(id, count)| (*id, *count)).collect();
     all.sort_by_key(|(id, count)| (std::cmp::Reverse(*count), *id));
-    let shown = all.iter().take(SHOWN).map(|(id, count)| format!("{:X} ({count} times)", id & !EXTENDED));
-    let shown: Vec<String> = shown.collect();
-    let more = all.len().saturating_sub(SHOWN);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    format!("{}{more}", shown.join(", "))
+    few(&all, SHOWN, |(id, count)| format!("{:X} ({count} times)", id & !EXTENDED))
 }
