@@ -191,6 +191,7 @@ fn contradiction(path: &Path, floor: &[f64]) -> Option<Finding> {
         region: Region { text: "on the recordings that were fitted".into(), ..Region::default() },
         evidence: FindingEvidence::default(),
         rivals: Vec::new(),
+        formulas: Vec::new(),
         sentence: format!(
             "The model misses {name} by {missed} {unit} (rms), {times:.1} times its noise floor (all channels: {} the power of \
              sensor noise), and no effect and no curve that was tried predicts it better",

@@ -20,7 +20,7 @@ const RATIO_ERRORS: f64 = 2.0;
 const DRAWS: usize = 500;
 /// Discrepancy of a law: the real effect differs from its law by about this share of its contribution to the outputs, 1 (2 to 8 % between
 /// tanh and bristle friction, and between fixed and load-dependent stiffness).
-const LAW_DISCREPANCY: f64 = 0.08;
+pub(crate) const LAW_DISCREPANCY: f64 = 0.08;
 /// Part of that discrepancy that appears at other places, 1.
 const DISCREPANCY_ELSEWHERE: f64 = 0.02;
 

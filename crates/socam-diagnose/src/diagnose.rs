@@ -7,7 +7,7 @@ use socam_recording::Dataset;
 use crate::{
     Diagnosis, Evidence,
     answer::{self, inputs::Inputs},
-    context::Context,
+    context::{Context, FittedModel},
     error::DiagnoseError,
     extension::carried_over,
     final_choice::FinalChoice,
@@ -171,7 +171,8 @@ fn corrected_file(path: &Path, after: &Identification, source: &str) -> Result<S
     let Some(found) = &path.unexplained else {
         return Ok(corrected.text_with(&updates(corrected, after, source))?);
     };
-    let values = carried_over((&found.fitted.model, &found.fitted.at.values), corrected);
+    let FittedModel { model, at, .. } = found.whole();
+    let values = carried_over((model, &at.values), corrected);
     let free = corrected.parameters.iter().zip(values).filter(|(parameter, _)| !parameter.fixed);
     let beside = free.map(|(parameter, value)| Update {
         name: parameter.name.clone(),
@@ -180,7 +181,8 @@ fn corrected_file(path: &Path, after: &Identification, source: &str) -> Result<S
         source: source.into(),
     });
     let text = corrected.text_with(&beside.collect::<Vec<_>>())?;
-    Ok(Model::parse(&text)?.text_with_law(&found.law(), source)?)
+    let law = found.formula.as_ref().map_or_else(|| found.law(), |formula| formula.law.clone());
+    Ok(Model::parse(&text)?.text_with_law(&law, source)?)
 }
 
 /// The free parameters' estimates as updates of a model file; `source` is where they are from.

@@ -4,7 +4,7 @@ use socam_identify::{Identification, IdentifyError};
 
 use crate::{
     context::Context,
-    intervals,
+    formulas, intervals,
     journal::Fate,
     selection::{Path, Unexamined},
 };
@@ -28,6 +28,12 @@ impl FinalChoice {
             context.journal.note(&term.candidate, Fate::Found);
         }
         path.test_last(context)?;
+        if let Some(curve) = path.unexplained.as_ref().filter(|_| !context.stops()) {
+            let formula = formulas::in_place_of(context, &path, curve)?;
+            if let Some(curve) = &mut path.unexplained {
+                curve.formula = formula;
+            }
+        }
         if context.stops() {
             path.unexamined.get_or_insert(Unexamined::Comparisons);
         }

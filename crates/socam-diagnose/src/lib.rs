@@ -45,6 +45,7 @@ mod error;
 mod experiment;
 mod extension;
 mod final_choice;
+mod formulas;
 mod forward;
 mod halving;
 mod held_out;

@@ -151,7 +151,7 @@ impl Path {
     /// The model with all terms and the nonparametric term, at its fit; `None` where nothing was found.
     pub(crate) fn corrected(&self) -> Option<&FittedModel> {
         let named = (!self.terms.is_empty()).then_some(&self.last);
-        self.unexplained.as_ref().map(|found| &found.fitted).or(named)
+        self.unexplained.as_ref().map(Unexplained::whole).or(named)
     }
 
     /// The corrected model, or the last fit where nothing was found.
@@ -162,7 +162,8 @@ impl Path {
     /// Sensor noise levels, estimated from the residuals of the corrected model.
     pub(crate) fn levels(&self, context: &Context<'_>) -> Result<NoiseLevels, IdentifyError> {
         match &self.unexplained {
-            Some(Unexplained { fitted, .. }) => {
+            Some(found) => {
+                let fitted = found.whole();
                 comparison::noise(&context.problem(&fitted.model)?, &fitted.at, self.noise.levels())
             }
             None => Ok(self.noise.levels().clone()),

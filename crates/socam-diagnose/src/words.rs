@@ -23,8 +23,8 @@ pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParamet
     format!("At {}: {}{size}", place.replace('_', " "), lower_first(sentence.trim_end_matches('.')))
 }
 
-/// Sentence of the nonparametric term.
-pub(crate) fn unexplained(found: &Unexplained, is_channel: bool) -> String {
+/// Sentence of the nonparametric term, and of the formula in its place; `is_finished` says whether one was sought to the end.
+pub(crate) fn unexplained(found: &Unexplained, is_channel: bool, is_finished: bool) -> String {
     let place = found.place.replace('_', " ");
     let what = match (is_channel, found.action()) {
         (true, Action::Gain) => "a gain of that sensor",
@@ -48,8 +48,15 @@ pub(crate) fn unexplained(found: &Unexplained, is_channel: bool) -> String {
         Over::Frequency => "",
     };
     let range = found.range().map_or(String::new(), |range| format!(", known from {range}"));
+    let formula = match &found.formula {
+        Some(formula) => format!("; the formula {} predicts as well as the curve", formula.law.formula),
+        None if is_finished && found.coordinate().is_some() => {
+            "; no formula that was tried follows it".into()
+        }
+        None => String::new(),
+    };
     format!(
-        "At {place}: {what}{over} is missing, and nothing that has a name here fits; its curve carries {:.0} % of the misfit{range} \
+        "At {place}: {what}{over} is missing, and nothing that has a name here fits; its curve carries {:.0} % of the misfit{range}{formula} \
          (residuals `after` are with it, and the corrected model file holds it as a law)",
         found.misfit_percent
     )

@@ -1,6 +1,9 @@
 //! Candidates of a model file, and a curve that becomes a law of the corrected one, on a carriage that this file integrates by Euler steps.
 
-use socam_diagnose::{HeldOut, Options, diagnose};
+use socam_diagnose::{
+    HeldOut, Options, diagnose,
+    document::{Finding, ProofOutcome},
+};
 use socam_model::Model;
 use socam_recording::{Channel, Dataset, Unit};
 
@@ -45,8 +48,8 @@ quantity = "speed"
 at = "carriage"
 "#;
 
-/// 2 s of a carriage of 12 kg and 25 N s/m with a force `brake` (speed, clamp force); `pace` shifts the frequencies of the drive.
-fn recording(name: &str, pace: f64, brake: impl Fn(f64, f64) -> f64) -> Dataset {
+/// 2 s of a carriage of 12 kg and 25 N s/m with a force `brake` (speed, clamp force, time); `pace` shifts the frequencies of the drive.
+fn recording(name: &str, pace: f64, brake: impl Fn(f64, f64, f64) -> f64) -> Dataset {
     let (mut speed, mut noise) = (0.0_f64, 1_u64);
     let mut time_s = Vec::new();
     let mut columns = vec![Vec::new(), Vec::new(), Vec::new()];
@@ -60,7 +63,7 @@ fn recording(name: &str, pace: f64, brake: impl Fn(f64, f64) -> f64) -> Dataset 
         columns.iter_mut().zip([force(t), clamp(t), read]).for_each(|(column, value)| column.push(value));
         for part in 0..100 {
             let t = t + 5e-5 * f64::from(part);
-            speed += 5e-5 * (force(t) - 25.0 * speed + brake(speed, clamp(t))) / 12.0;
+            speed += 5e-5 * (force(t) - 25.0 * speed + brake(speed, clamp(t), t)) / 12.0;
         }
     }
     let channels = vec![
@@ -72,7 +75,8 @@ fn recording(name: &str, pace: f64, brake: impl Fn(f64, f64) -> f64) -> Dataset 
 }
 
 fn recordings(brake: impl Fn(f64, f64) -> f64 + Copy) -> [Dataset; 4] {
-    [("a", 0.0), ("b", 1.5), ("c", 3.0), ("d", 2.0)].map(|(name, pace)| recording(name, pace, brake))
+    [("a", 0.0), ("b", 1.5), ("c", 3.0), ("d", 2.0)]
+        .map(|(name, pace)| recording(name, pace, |speed, clamp, _| brake(speed, clamp)))
 }
 
 #[test]
@@ -92,22 +96,65 @@ fn a_candidate_of_the_file_is_found_by_its_name() {
     assert!(corrected.parameters[corrected.parameter("guide_clamped_width").unwrap()].fixed);
 }
 
-#[test]
-fn a_curve_without_a_name_becomes_a_law_of_the_corrected_file() {
+/// The diagnosis of a carriage with a `brake` (speed, time) that the catalogue lacks.
+fn of(brake: impl Fn(f64, f64) -> f64 + Copy) -> (Finding, Model) {
     let text =
         MODEL.replace("candidate = true\n", "").replace("-share*clamp*tanh(speed/width)", "0*share*clamp");
     let model = Model::parse(&text).unwrap();
-    // Two humps of drag that no law of the catalogue has.
-    let hump = |speed: f64| 12.0 * (-((speed.abs() - 0.25) / 0.07).powi(2)).exp();
-    let all = recordings(move |speed, _| -hump(speed) * (speed / 0.02).tanh());
+    let all = [("a", 0.0), ("b", 1.5), ("c", 3.0), ("d", 2.0)]
+        .map(|(name, pace)| recording(name, pace, |speed, _, t| brake(speed, t)));
     let (training, held_out) = all.split_at(3);
     let answer = diagnose(&model, training, HeldOut::in_memory(held_out), &Options::default()).unwrap();
     let found = answer.diagnosis.findings.iter().find(|finding| finding.curve.is_some());
-    let found = found.unwrap_or_else(|| panic!("{:?}", answer.diagnosis.findings));
+    let found = found.unwrap_or_else(|| panic!("{:?}", answer.diagnosis.findings)).clone();
+    assert!(answer.model_toml.contains("source = \"diagnosis\""));
+    assert_eq!(answer.diagnosis.held_out.as_ref().unwrap().outcome, ProofOutcome::Holds);
+    (found, Model::parse(&answer.model_toml).unwrap())
+}
+
+/// Whether the interval of a parameter holds its true value.
+fn holds(found: &Finding, name: &str, truth: f64) -> bool {
+    let own = found.parameters.iter().find(|own| own.name == name).unwrap_or_else(|| panic!("{found:?}"));
+    let [Some(low), Some(high)] = own.ci95 else { panic!("{own:?}") };
+    low < truth && truth < high && high - low < 0.5 * truth
+}
+
+#[test]
+fn a_hump_of_drag_is_found_as_a_formula() {
+    let hump = |speed: f64| 12.0 * (-((speed.abs() - 0.25) / 0.07).powi(2)).exp();
+    let (found, corrected) = of(move |speed, _| -hump(speed) * (speed / 0.02).tanh());
+    assert!(found.equation.ends_with("*exp(-((abs(speed) - peak)/spread)^2)"), "{}", found.equation);
     assert!(found.sentence.contains("corrected model file holds it as a law"), "{}", found.sentence);
-    let corrected = Model::parse(&answer.model_toml).unwrap();
+    assert!(holds(&found, "peak", 0.25) && holds(&found, "spread", 0.07), "{:?}", found.parameters);
+    // The curve is a rival, and far worse.
+    assert!(
+        found.formulas[0].formula == "curve" && found.formulas[0].less[0] > 100.0,
+        "{:?}",
+        found.formulas
+    );
     let law = corrected.effects.iter().find(|used| used.effect.id == "unexplained").unwrap();
     assert_eq!(law.place, found.location);
+    assert_eq!(law.effect.laws()[0].formula, found.equation);
+}
+
+#[test]
+fn a_brake_that_fades_is_found_as_a_formula() {
+    let (found, corrected) = of(|speed, t| -9.0 * (-t / 0.8).exp() * (speed / 2e-3).tanh());
+    assert_eq!(found.equation, "-a*exp(-time/fall)*tanh(speed/transition)");
+    assert!(holds(&found, "a", 9.0) && holds(&found, "fall", 0.8), "{:?}", found.parameters);
+    assert!(corrected.effects.iter().any(|used| used.effect.id == "unexplained"));
+}
+
+#[test]
+fn a_curve_without_a_formula_stays_a_curve() {
+    // Drag that steps up twice in one direction and once in the other.
+    let steps = |v: f64| {
+        let step = |at: f64| 1.0 + ((v.abs() - at) / 0.008).tanh();
+        if v > 0.0 { 3.0 * step(0.07) + 5.0 * step(0.2) } else { 6.0 * step(0.14) }
+    };
+    let (found, corrected) = of(move |speed, _| -steps(speed) * (speed / 0.02).tanh());
+    assert_eq!((found.equation.as_str(), found.formulas.len()), ("", 0), "{found:?}");
+    assert!(found.sentence.contains("no formula that was tried follows it"), "{}", found.sentence);
+    let law = corrected.effects.iter().find(|used| used.effect.id == "unexplained").unwrap();
     assert!(law.parameters.len() >= 8, "{}", law.parameters.len());
-    assert!(answer.model_toml.contains("source = \"diagnosis\""));
 }

@@ -10,7 +10,9 @@ mod overlay;
 use serde::{Deserialize, Serialize};
 
 pub use candidate::{CandidateFate, Stage, Trial};
-pub use finding::{Component, Curve, EffectParameter, Finding, FindingEvidence, Over, Region, Rival};
+pub use finding::{
+    Component, Curve, EffectParameter, Finding, FindingEvidence, Over, Region, Rival, RivalFormula,
+};
 pub use overlay::Overlay;
 
 /// Version of [`Diagnosis`]' JSON form.

@@ -42,10 +42,28 @@ pub struct NewParameter {
     pub unit: String,
     /// 95 % interval, in `unit`.
     pub ci95: Option<[f64; 2]>,
+    /// Bounds, in `unit`.
+    pub bounds: Option<[f64; 2]>,
     /// Whether it is not to be estimated.
     pub is_fixed: bool,
     /// Whether it is a value of the curve, and no name of the formula.
     pub is_value: bool,
+}
+
+impl NewParameter {
+    /// A parameter of the formula that is to be estimated, from `value`, without bounds.
+    #[must_use]
+    pub fn free(name: &str, value: f64, unit: &str) -> Self {
+        Self {
+            name: name.into(),
+            value,
+            unit: unit.into(),
+            ci95: None,
+            bounds: None,
+            is_fixed: false,
+            is_value: false,
+        }
+    }
 }
 
 impl Model {
@@ -55,20 +73,12 @@ impl Model {
     /// use socam_model::{Model, NewLaw, NewParameter};
     ///
     /// let model = Model::builtin("two-mass").expect("an embedded model");
-    /// let b = NewParameter {
-    ///     name: "b".into(),
-    ///     value: 1e-4,
-    ///     unit: "N m s2/rad2".into(),
-    ///     ci95: None,
-    ///     is_fixed: false,
-    ///     is_value: false,
-    /// };
     /// let law = NewLaw {
     ///     name: "fan".into(),
     ///     at: "load_bearing".into(),
     ///     formula: "-b*speed*abs(speed)".into(),
     ///     curve: None,
-    ///     parameters: vec![b],
+    ///     parameters: vec![NewParameter::free("b", 1e-4, "N m s2/rad2")],
     /// };
     /// let windy = Model::parse(&model.text_with_law(&law, "by hand")?)?;
     /// assert_eq!(windy.parameters[windy.parameter("fan_b").unwrap()].value, 1e-4);
@@ -121,6 +131,9 @@ fn entry(parameter: &NewParameter, source: &str) -> InlineTable {
     entry.insert("unit", parameter.unit.as_str().into());
     if let Some(ends) = parameter.ci95 {
         entry.insert("ci95", ends.into_iter().collect::<Array>().into());
+    }
+    if let Some(ends) = parameter.bounds {
+        entry.insert("bounds", ends.into_iter().collect::<Array>().into());
     }
     if parameter.is_fixed {
         entry.insert("fixed", true.into());

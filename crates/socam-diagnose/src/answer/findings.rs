@@ -1,14 +1,17 @@
 //! Findings: one for each effect at a place, and one for the nonparametric term.
 
 use socam_identify::{Identification, IdentifyError};
-use socam_model::effects::{FittedValues, USUAL_CHANGE};
+use socam_model::{
+    NewParameter,
+    effects::{FittedValues, USUAL_CHANGE},
+};
 
 use super::{inputs::Inputs, rivals::rivals};
 use crate::{
     candidate::Candidate,
     document::{Component, EffectParameter, Finding, FindingEvidence, Region, UNEXPLAINED},
     materiality,
-    nonparametric::term::Unexplained,
+    nonparametric::{law::FoundFormula, term::Unexplained},
     proof::Proof,
     region,
     selection::Path,
@@ -71,6 +74,7 @@ fn finding(inputs: &Inputs<'_>, index: usize) -> Finding {
             ..FindingEvidence::default()
         },
         rivals: rivals(path, term, &path.equivalent(context, index)),
+        formulas: Vec::new(),
     }
 }
 
@@ -80,22 +84,35 @@ fn unexplained(path: &Path, found: &Unexplained, proof: Option<&Proof>) -> Findi
     Finding {
         effect: UNEXPLAINED.into(),
         location: found.place.clone(),
-        sentence: words::unexplained(found, is_channel),
-        equation: String::new(),
-        parameters: Vec::new(),
+        sentence: words::unexplained(found, is_channel, path.unexamined.is_none()),
+        equation: found.formula.as_ref().map_or_else(String::new, |own| own.law.formula.clone()),
+        parameters: found.formula.as_ref().map_or_else(Vec::new, formula_parameters),
         components: Vec::new(),
         curve: Some(found.curve.clone()),
         region: Region { text: words::region_of_curve(&found.curve), ..Region::default() },
         evidence: FindingEvidence {
             p_value: Some(found.p_value),
-            chi2_gain: Some((path.last.deviance() - found.fitted.deviance()).max(0.0)),
+            chi2_gain: Some((path.last.deviance() - found.whole().deviance()).max(0.0)),
             holdout_gain_percent: proof.map(Proof::curve_gain_percent),
             misfit_percent: Some(found.misfit_percent),
             log_score_gain: Some([found.gain.log_score, found.gain.std]),
             ..FindingEvidence::default()
         },
         rivals: Vec::new(),
+        formulas: found.formula.as_ref().map_or_else(Vec::new, |own| own.rivals.clone()),
     }
+}
+
+/// Parameters of a formula in the place of a curve that were estimated.
+fn formula_parameters(found: &FoundFormula) -> Vec<EffectParameter> {
+    let free = found.law.parameters.iter().filter(|own| !own.is_fixed);
+    let one = |own: &NewParameter| EffectParameter {
+        name: own.name.clone(),
+        value: Some(own.value),
+        unit: own.unit.clone(),
+        ci95: own.ci95.map_or([None; 2], |[low, high]| [Some(low), Some(high)]),
+    };
+    free.map(one).collect()
 }
 
 /// Why the size of a term is that of an ordinary imperfection; `None` where it is not.
@@ -183,6 +200,7 @@ mod tests {
                 ..FindingEvidence::default()
             },
             rivals: Vec::new(),
+            formulas: Vec::new(),
         }
     }
 

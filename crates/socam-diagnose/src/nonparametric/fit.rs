@@ -95,6 +95,7 @@ pub(super) fn fitted(
         std: std.clone(),
         heights,
         fitted,
+        formula: None,
     }))
 }
 

@@ -1,27 +1,41 @@
 //! A fitted nonparametric term as a law of a model file: a curve with its range, or harmonics of an angle.
 
-use socam_model::{NewCurve, NewLaw, NewParameter};
+use socam_model::{Motion, NewCurve, NewLaw, NewParameter};
 
 use super::{
     basis::{
-        BEARING_ANGLE, BEARING_FRICTION_BY_ANGLE, BEARING_FRICTION_BY_TIME, BEARING_SPEED, BEARING_TIME,
-        CHANNEL_GAIN, CHANNEL_READING, SPRING_STIFFNESS, SPRING_TWIST, transition,
+        BEARING_ANGLE, BEARING_SPEED, BEARING_TIME, CHANNEL_GAIN, CHANNEL_READING, SPRING_STIFFNESS,
+        SPRING_TWIST, transition,
     },
     term::{Action, Unexplained},
 };
+use crate::{context::FittedModel, document::RivalFormula};
 
 /// Name of the law in the file.
 pub(crate) const NAME: &str = "unexplained";
 /// Half width of a 95 % interval, standard errors.
 const NORMAL_95: f64 = 1.96;
 
+/// A formula that predicts as well as a curve.
+#[derive(Debug, Clone)]
+pub(crate) struct FoundFormula {
+    /// The law, its parameters at their fit and with their intervals.
+    pub(crate) law: NewLaw,
+    /// The last model with the law, at its fit.
+    pub(crate) fitted: FittedModel,
+    /// The curve, and other formulas that were fitted, the simplest of those that predict alike first.
+    pub(crate) rivals: Vec<RivalFormula>,
+}
+
 impl Unexplained {
+    /// The last model with the formula or, where there is none, the curve, at its fit.
+    pub(crate) fn whole(&self) -> &FittedModel {
+        self.formula.as_ref().map_or(&self.fitted, |formula| &formula.fitted)
+    }
+
     /// The term as a law.
     pub(crate) fn law(&self) -> NewLaw {
         let is = |effect: &_| std::ptr::eq(self.term.effect, effect);
-        let (factor, sum) = (self.factor(), self.sum());
-        let resists = [&BEARING_SPEED, &BEARING_ANGLE, &BEARING_TIME].into_iter().any(is);
-        let minus = if resists || self.action() == Action::Friction { "-" } else { "" };
         let curve = (!self.term.is_by_turn()).then(|| NewCurve {
             over: if is(&BEARING_SPEED) {
                 "speed"
@@ -35,19 +49,43 @@ impl Unexplained {
             .into(),
             at: self.term.basis().iter().map(|own| own[0]).collect(),
         });
+        NewLaw { curve, ..self.law_of(&self.sum(), self.parameters()) }
+    }
+
+    /// The law that has a sum in the place of the curve: with its sign, with what the curve is multiplied by, and that factor's parameters.
+    pub(crate) fn law_of(&self, sum: &str, mut parameters: Vec<NewParameter>) -> NewLaw {
+        let is = |effect: &_| std::ptr::eq(self.term.effect, effect);
+        let resists = [&BEARING_SPEED, &BEARING_ANGLE, &BEARING_TIME].into_iter().any(is);
+        let minus = if resists || self.action() == Action::Friction { "-" } else { "" };
+        if self.action() == Action::Friction {
+            let model = &self.fitted.model;
+            let unit = if model.motion == Motion::Rotation { "rad/s" } else { "m/s" };
+            let transition = NewParameter::free("transition", transition(model.motion), unit);
+            parameters.push(NewParameter { is_fixed: true, ..transition });
+        }
         NewLaw {
             name: NAME.into(),
             at: self.place.clone(),
-            formula: format!("{minus}{sum}{factor}"),
-            curve,
-            parameters: self.parameters(),
+            formula: format!("{minus}{sum}{}", self.factor()),
+            curve: None,
+            parameters,
+        }
+    }
+
+    /// Unit of the heights of the curve.
+    pub(crate) fn height_unit(&self) -> String {
+        match self.action() {
+            Action::Gain if std::ptr::eq(self.term.effect, &CHANNEL_GAIN) => "1".to_owned(),
+            Action::Gain if self.fitted.model.motion == Motion::Rotation => "N m/rad".to_owned(),
+            Action::Gain => "N/m".to_owned(),
+            Action::Friction | Action::Additive => self.curve.torque_unit.clone(),
         }
     }
 
     /// What the curve is multiplied by.
     fn factor(&self) -> &'static str {
         match self.action() {
-            Action::Friction => "*tanh(speed/width)",
+            Action::Friction => "*tanh(speed/transition)",
             Action::Gain if std::ptr::eq(self.term.effect, &SPRING_STIFFNESS) => "*twist",
             Action::Gain => "*reading",
             Action::Additive => "",
@@ -73,43 +111,19 @@ impl Unexplained {
     /// Heights that the recordings do not determine are fixed at zero, as in the fit.
     fn parameters(&self) -> Vec<NewParameter> {
         let by_turn = self.term.is_by_turn();
-        let unit = match self.action() {
-            Action::Gain if std::ptr::eq(self.term.effect, &CHANNEL_GAIN) => "1".to_owned(),
-            Action::Gain => {
-                let rotates = self.fitted.model.motion == socam_model::Motion::Rotation;
-                if rotates { "N m/rad" } else { "N/m" }.to_owned()
+        let unit = self.height_unit();
+        let fitted = self.heights.iter().zip(&self.std).zip(self.term.basis()).enumerate();
+        let each = fitted.map(|(index, ((height, std), [order, phase, _]))| {
+            let half = NORMAL_95 * std;
+            let name = if by_turn { harmonic(order, phase) } else { format!("value_{}", index + 1) };
+            NewParameter {
+                ci95: std.is_finite().then(|| [height - half, height + half]),
+                is_fixed: !std.is_finite(),
+                is_value: !by_turn,
+                ..NewParameter::free(&name, if std.is_finite() { *height } else { 0.0 }, &unit)
             }
-            _ => self.curve.torque_unit.clone(),
-        };
-        let fitted = self.heights.iter().zip(&self.std).enumerate();
-        let mut all: Vec<NewParameter> = fitted
-            .map(|(index, (height, std))| {
-                let [order, phase, _] = self.term.basis()[index];
-                let half = NORMAL_95 * std;
-                NewParameter {
-                    name: if by_turn { harmonic(order, phase) } else { format!("value_{}", index + 1) },
-                    value: if std.is_finite() { *height } else { 0.0 },
-                    unit: unit.clone(),
-                    ci95: std.is_finite().then(|| [height - half, height + half]),
-                    is_fixed: !std.is_finite(),
-                    is_value: !by_turn,
-                }
-            })
-            .collect();
-        let rubs = [&BEARING_FRICTION_BY_ANGLE, &BEARING_FRICTION_BY_TIME];
-        if rubs.into_iter().any(|effect| std::ptr::eq(self.term.effect, effect)) {
-            let model = &self.fitted.model;
-            let rotates = model.motion == socam_model::Motion::Rotation;
-            all.push(NewParameter {
-                name: "width".into(),
-                value: transition(model.motion),
-                unit: if rotates { "rad/s" } else { "m/s" }.into(),
-                ci95: None,
-                is_fixed: true,
-                is_value: false,
-            });
-        }
-        all
+        });
+        each.collect()
     }
 
     /// Range of the curve in words; `None` for harmonics, which repeat.

@@ -6,8 +6,9 @@
 //! reading or time. One evaluation with sensitivities gives the score of each; the best one is fitted.
 
 mod basis;
+pub(crate) mod coordinate;
 mod fit;
-mod law;
+pub(crate) mod law;
 pub(crate) mod term;
 
 use rayon::prelude::*;

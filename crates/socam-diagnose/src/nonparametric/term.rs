@@ -3,9 +3,12 @@
 use socam_identify::comparison::CandidateScore;
 use socam_model::{Model, Motion, effects::Effect};
 
-use super::basis::{
-    BEARING_ANGLE, BEARING_FRICTION_BY_ANGLE, BEARING_FRICTION_BY_TIME, BEARING_SPEED, CHANNEL_GAIN,
-    SPRING_STIFFNESS,
+use super::{
+    basis::{
+        BEARING_ANGLE, BEARING_FRICTION_BY_ANGLE, BEARING_FRICTION_BY_TIME, BEARING_SPEED, CHANNEL_GAIN,
+        SPRING_STIFFNESS,
+    },
+    law::FoundFormula,
 };
 use crate::{
     context::FittedModel,
@@ -70,6 +73,8 @@ pub(crate) struct Unexplained {
     pub(super) heights: Vec<f64>,
     /// The last model with the term, at its fit.
     pub(crate) fitted: FittedModel,
+    /// A formula in its place, where one was sought and found.
+    pub(crate) formula: Option<FoundFormula>,
     pub(crate) curve: Curve,
     pub(crate) p_value: f64,
     /// Gain over the last model without the term.

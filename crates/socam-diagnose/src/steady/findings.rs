@@ -55,6 +55,7 @@ pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option
             region,
             evidence,
             rivals: Vec::new(),
+            formulas: Vec::new(),
             sentence: format!("{observed}: {}", without_a_name(model, outcome)),
             equation: String::new(),
         };
@@ -77,6 +78,7 @@ pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option
         region,
         evidence,
         rivals: rivals(model, outcome, points),
+        formulas: Vec::new(),
     }
 }
 

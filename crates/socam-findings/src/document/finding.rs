@@ -21,6 +21,9 @@ pub struct Finding {
     pub evidence: FindingEvidence,
     /// Rivals (competing explanations), most likely first, without the finding itself.
     pub rivals: Vec<Rival>,
+    /// Other formulas that were fitted in the place of the `curve`, where `equation` is a formula for it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub formulas: Vec<RivalFormula>,
     /// A sentence for a mechanic.
     pub sentence: String,
     /// The equation of the law.
@@ -138,6 +141,15 @@ impl Finding {
     pub fn counts(&self) -> bool {
         self.evidence.material != Some(false) && self.evidence.ordinary.is_none()
     }
+}
+
+/// A formula that was fitted and not taken.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RivalFormula {
+    /// The formula, over the coordinate of the place; `curve` is the curve itself.
+    pub formula: String,
+    /// Log score that it predicts less than the one that was taken, and the standard error.
+    pub less: [f64; 2],
 }
 
 /// A competing explanation.

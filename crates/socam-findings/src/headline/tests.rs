@@ -31,6 +31,7 @@ fn nameless(location: &str) -> Finding {
         location: location.into(),
         parameters: Vec::new(),
         rivals: Vec::new(),
+        formulas: Vec::new(),
         ..finding
     }
 }

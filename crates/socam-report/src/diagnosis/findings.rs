@@ -166,6 +166,28 @@ fn rivals(finding: &Finding) -> Markup {
                 }
             }
         }
+        @if !finding.formulas.is_empty() { (formulas(finding)) }
+    }
+}
+
+/// Formulas that were fitted in the place of a curve, beside the one that was taken.
+fn formulas(finding: &Finding) -> Markup {
+    html! {
+        div class="scroll" {
+            table {
+                thead { tr { th { "Formula" } th class="n" { "Log score less" } th class="n" { "Standard error" } } }
+                tbody {
+                    tr { td { code { (finding.equation) } } td class="n" { "taken" } td {} }
+                    @for other in &finding.formulas {
+                        tr {
+                            td { @if other.formula == "curve" { "the curve" } @else { code { (other.formula) } } }
+                            td class="n" { (words::rough(other.less[0])) }
+                            td class="n" { (words::rough(other.less[1])) }
+                        }
+                    }
+                }
+            }
+        }
     }
 }
 

@@ -36,6 +36,7 @@ fn friction() -> Finding {
             misfit_percent: Some(78.0),
             ..FindingEvidence::default()
         },
+        formulas: Vec::new(),
         rivals: vec![
             rival("stribeck_friction", "cam_bearing", 0.21),
             rival("mesh_loss", "mesh", 0.06),
@@ -64,6 +65,7 @@ fn kinematic_error() -> Finding {
         region: Region { frequency_hz: Some([2.0, 16.0]), text: "At one cycle per turn of the cam shaft.".into(), ..Region::default() },
         evidence: FindingEvidence { p_value: Some(2.0e-9), chi2_gain: Some(312.0), holdout_gain_percent: Some(34.0), misfit_percent: None, ..FindingEvidence::default() },
         rivals: Vec::new(),
+        formulas: Vec::new(),
         sentence: "The reducer does not roll true: its output runs ahead and behind by 0.41 mrad once per turn of the cam shaft.".into(),
         equation: "e = amplitude sin(order a + phase)".into(),
     }
@@ -88,6 +90,7 @@ pub(super) fn unexplained() -> Finding {
         region: Region { speed_rad_s: Some([-40.0, 40.0]), text: "Strongest near 25 rad/s.".into(), ..Region::default() },
         evidence: FindingEvidence { p_value: Some(1e-12), chi2_gain: Some(420.0), holdout_gain_percent: Some(55.0), misfit_percent: Some(61.0), ..FindingEvidence::default() },
         rivals: Vec::new(),
+        formulas: Vec::new(),
         sentence: "Something brakes the load that grows with speed and then gives way; no effect of the catalogue does.".into(),
         equation: String::new(),
     }
