@@ -16,6 +16,7 @@ mod patch;
 mod sdf;
 mod tree;
 mod urdf;
+mod written;
 mod xml;
 
 pub use error::{Result, RobotError};
