@@ -134,26 +134,16 @@ fn gains_of_sysid_are_what_identify_returns() {
         let _ = writeln!(voltage, "{t},{}", 6.0 * (std::f64::consts::TAU * (0.3 + 0.4 * t) * t).sin());
     }
     std::fs::write(text("voltage.csv"), voltage).unwrap();
-    let import = |gains: &str, file: &str| {
-        run(["import-model", "--sysid", gains, "-o", &text(file)].map(str::to_owned)).done();
+    let socam = |arguments: &[&str]| {
+        let ran = run(arguments);
+        assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     };
+    let import = |gains: &str, file: &str| socam(&["import-model", "--sysid", gains, "-o", &text(file)]);
     import("ks=0.12 kv=0.8 ka=0.03 unit=rotations", "real.toml");
     import("ks=0.15 kv=1.0 ka=0.04 unit=rotations", "start.toml");
-    run([
-        "simulate",
-        "--input",
-        &text("voltage.csv"),
-        "--model",
-        &text("real.toml"),
-        "--from-rest",
-        "-o",
-        &text("run.csv"),
-    ]
-    .map(str::to_owned))
-    .done();
-    run(["identify", &text("run.csv"), "--model", &text("start.toml"), "--write-model", &text("fit.toml")]
-        .map(str::to_owned))
-    .done();
+    let (real, run_csv) = (text("real.toml"), text("run.csv"));
+    socam(&["simulate", "--input", &text("voltage.csv"), "--model", &real, "--from-rest", "-o", &run_csv]);
+    socam(&["identify", &run_csv, "--model", &text("start.toml"), "--write-model", &text("fit.toml")]);
     let fit: toml::Table = std::fs::read_to_string(text("fit.toml")).unwrap().parse().unwrap();
     for (gain, expected) in [("kS", 0.12), ("kV", 0.8), ("kA", 0.03)] {
         let found = fit["parameters"][gain]["value"].as_float().unwrap();

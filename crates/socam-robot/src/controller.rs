@@ -117,7 +117,7 @@ impl Controller {
         }
         let mut unused = |used: bool, what: &str, unit: &str, number: &Option<Sourced>| {
             if let Some(number) = number.as_ref().filter(|_| !used) {
-                let Sourced { value, source } = number;
+                let (value, source) = (rounded(number.value, 6), &number.source);
                 all.push(format!(
                     "the {what}, {value} {unit} ({source}): not in a model that {}",
                     drive.of()
