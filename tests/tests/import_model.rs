@@ -1,4 +1,5 @@
-//! `import-model` and `export-model --into`: a joint of a robot by way of MuJoCo, which moves it as the model does, before and after correction.
+//! `import-model` and `export-model --into`: a joint of a robot by way of MuJoCo, which moves it as the model does, before and after correction; an axis by its
+//! gains and settings.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -120,6 +121,52 @@ fn a_joint_moves_as_in_mujoco_and_takes_its_corrections_back() {
     let (before, after) = (error("arm.xml", "before.csv"), error("new.xml", "after.csv"));
     println!("measured: export-model --into: held-out error {before:.1e} before, {after:.1e} after");
     assert!(after < 0.02 * before, "{before} before, {after} after");
+}
+
+/// A mechanism whose gains are a quarter off is simulated, and `identify` gives its own gains in the unit of SysId.
+#[test]
+fn gains_of_sysid_are_what_identify_returns() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let mut voltage = String::from("t_s,voltage_V\n");
+    for row in 0..2000 {
+        let t = 2e-3 * f64::from(row);
+        let _ = writeln!(voltage, "{t},{}", 6.0 * (std::f64::consts::TAU * (0.3 + 0.4 * t) * t).sin());
+    }
+    std::fs::write(text("voltage.csv"), voltage).unwrap();
+    let socam = |arguments: &[&str]| {
+        let ran = run(arguments);
+        assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    };
+    let import = |gains: &str, file: &str| socam(&["import-model", "--sysid", gains, "-o", &text(file)]);
+    import("ks=0.12 kv=0.8 ka=0.03 unit=rotations", "real.toml");
+    import("ks=0.15 kv=1.0 ka=0.04 unit=rotations", "start.toml");
+    let (real, run_csv) = (text("real.toml"), text("run.csv"));
+    socam(&["simulate", "--input", &text("voltage.csv"), "--model", &real, "--from-rest", "-o", &run_csv]);
+    socam(&["identify", &run_csv, "--model", &text("start.toml"), "--write-model", &text("fit.toml")]);
+    let fit: toml::Table = std::fs::read_to_string(text("fit.toml")).unwrap().parse().unwrap();
+    for (gain, expected) in [("kS", 0.12), ("kV", 0.8), ("kA", 0.03)] {
+        let found = fit["parameters"][gain]["value"].as_float().unwrap();
+        assert!((found / expected - 1.0).abs() < 0.01, "{gain} {found} for {expected}");
+    }
+}
+
+#[test]
+fn settings_of_a_controller_become_an_axis() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = folder.path().join("moteus.cfg");
+    std::fs::write(
+        &settings,
+        "motor.poles 14\nmotor.Kv 300.0\nservo.pid_position.kp 4.0\nservo.pid_position.kd 0.2\n",
+    )
+    .unwrap();
+    let settings = settings.to_str().unwrap();
+    let ran = run(["import-model", settings, "-o", "-"]);
+    assert!(ran.stderr.contains("left out: friction and damping: no setting tells them"), "{}", ran.stderr);
+    assert!(ran.done().contains("scale = 0.02756644"));
+    let ran = run(["import-model", settings, "--drive", "voltage", "-o", "-"]);
+    assert_eq!(ran.code, Some(1), "{}", ran.stderr);
+    assert!(ran.stderr.contains("states no resistance above zero"), "{}", ran.stderr);
 }
 
 #[test]

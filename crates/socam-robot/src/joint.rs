@@ -34,6 +34,8 @@ pub struct JointModel {
     pub friction: Option<Sourced>,
     /// Spring to its rest, N m/rad (N/m); `None` where there is none.
     pub stiffness: Option<Sourced>,
+    /// Torque of that spring against the joint's positive direction where the joint is at zero, N m (N); `None` where it is at rest there.
+    pub preload: Option<Sourced>,
     /// Weight: of a turning joint its largest torque and the phase of T = -torque sin(angle + phase), of a sliding one the force down and 0.
     pub weight: Option<(Sourced, f64)>,
     /// Torque at the joint for one unit of the actuator's input.
@@ -103,12 +105,6 @@ impl Robot {
         if !others.is_empty() {
             left_out.push(format!("the joints behind it ({}): they stand at zero", others.join(", ")));
         }
-        if joint.rest != 0.0 && joint.stiffness > 0.0 {
-            left_out.push(format!(
-                "the spring's rest at {:.4}: the model's is where the recording begins",
-                joint.rest
-            ));
-        }
         let stated = |value: f64, what: &str| Sourced { value, source: what.to_owned() };
         let optional = |value: f64, what: &str| (value > 0.0).then(|| stated(value, what));
         let list = match carried.len() {
@@ -122,6 +118,13 @@ impl Robot {
             damping: stated(joint.damping, "damping"),
             friction: optional(joint.friction, "dry friction"),
             stiffness: optional(joint.stiffness, "stiffness"),
+            preload: (joint.rest != 0.0 && joint.stiffness > 0.0).then(|| {
+                let source = format!(
+                    "stiffness, and the spring's rest at {:.4}; the recording begins at zero",
+                    joint.rest
+                );
+                Sourced { value: -joint.stiffness * joint.rest, source }
+            }),
             weight: weight(&masses, (&axis, &point), &self.gravity, turns),
             gear: joint.actuators.iter().find(|one| one.left_out.is_none()).map(|one| Sourced {
                 value: one.gear,

@@ -102,6 +102,18 @@ fn masses_come_from_solids_where_none_is_stated() {
 }
 
 #[test]
+fn a_spring_that_rests_elsewhere_pulls_at_zero() {
+    let with = |spring: &str| MJCF.replace("name=\"shoulder\"", &format!("name=\"shoulder\" {spring}"));
+    let preloaded = joint(&with("stiffness=\"5\" springref=\"90\""), "shoulder");
+    let file = preloaded.model_file("arm");
+    let model = Model::parse(&file).unwrap_or_else(|error| panic!("{error}\n{file}"));
+    // It drives forward, and `preload` counts against.
+    let preload = model.parameters[model.parameter("preload").unwrap()].value;
+    assert!((preload + 5.0 * std::f64::consts::FRAC_PI_2).abs() < 1e-6, "{preload}");
+    assert!(joint(&with("stiffness=\"5\""), "shoulder").preload.is_none());
+}
+
+#[test]
 fn corrected_numbers_go_back_and_nothing_else_changes() {
     let corrected =
         Corrections { inertia: Some(0.29), damping: Some(0.45), friction: Some(0.125), stiffness: None };

@@ -7,8 +7,8 @@ use anyhow::Context;
 use clap::ValueEnum;
 use socam_export::{Provenance, Target};
 use socam_model::{
-    Model,
-    effects::{CONSTANT_LOAD, COULOMB_FRICTION, GRAVITY_UNBALANCE},
+    EffectUse, Model,
+    effects::{self, CONSTANT_LOAD, COULOMB_FRICTION, GRAVITY_UNBALANCE},
 };
 
 use super::Outcome;
@@ -113,7 +113,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
 fn into_robot(args: &Args, path: &Path, model: &Model) -> anyhow::Result<Outcome> {
     let (robot, text) = super::import_model::open(path)?;
     let joint = robot.joint(args.joint.as_deref()).with_context(|| format!("`{}`", path.display()))?;
-    let (corrections, others) = corrections(model)?;
+    let (corrections, others) = corrections(model, &joint)?;
     let (patched, left_out) = socam_robot::patch(&text, &joint.name, joint.behind.value, &corrections)
         .with_context(|| format!("`{}`", path.display()))?;
     for part in left_out.iter().chain(&others) {
@@ -134,8 +134,26 @@ fn into_robot(args: &Args, path: &Path, model: &Model) -> anyhow::Result<Outcome
     Ok(Outcome::Done)
 }
 
+/// The parameter of the dry friction at speed: of Coulomb friction, or of a law that takes its place.
+fn dry_friction(used: &EffectUse) -> Option<usize> {
+    // A variant of a law has the law's id, and replaces that law alone.
+    let law = effects::find(used.effect.id)?;
+    let is_dry = law.id == COULOMB_FRICTION.id
+        || law.replaces.iter().any(|simpler| simpler.law == COULOMB_FRICTION.id);
+    let at = used.effect.parameters.iter().position(|parameter| parameter.name == "torque")?;
+    is_dry.then_some(used.parameters[at])
+}
+
+/// Whether a number is another but for its rounding in a file.
+fn is_same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-6 * a.abs()
+}
+
 /// The numbers of a model of one joint, and what is not among them, in sentences.
-fn corrections(model: &Model) -> anyhow::Result<(socam_robot::Corrections, Vec<String>)> {
+fn corrections(
+    model: &Model,
+    joint: &socam_robot::JointModel,
+) -> anyhow::Result<(socam_robot::Corrections, Vec<String>)> {
     let [node] = model.nodes.as_slice() else {
         let problem = format!(
             "`{}` has {} nodes; a joint's model, as `import-model` writes it, has one",
@@ -147,19 +165,28 @@ fn corrections(model: &Model) -> anyhow::Result<(socam_robot::Corrections, Vec<S
     let value = |index: usize| model.parameters[index].value;
     let sum = |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum());
     let damping = model.bearings.iter().filter_map(|bearing| bearing.damping).map(value).collect();
-    let friction = model.effects.iter().filter(|used| used.effect.id == COULOMB_FRICTION.id);
+    let friction: Vec<f64> = model.effects.iter().filter_map(dry_friction).map(value).collect();
     let stiffness = model.springs.iter().map(|spring| value(spring.stiffness)).collect();
     let corrections = socam_robot::Corrections {
         inertia: node.inertia.map(value),
         damping: sum(damping),
-        friction: sum(friction.map(|used| value(used.parameters[0])).collect()),
+        friction: sum(friction),
         stiffness: sum(stiffness),
     };
-    // Weight is that of the bodies.
-    let is_held =
-        |id: &str| [COULOMB_FRICTION, GRAVITY_UNBALANCE, CONSTANT_LOAD].iter().any(|held| held.id == id);
-    let others = model.effects.iter().filter(|used| !is_held(used.effect.id));
-    let others = others.map(|used| format!("{} at {}", used.effect.name, used.place)).collect();
+    // Weight is that of the bodies, and the rest of a spring stays where it is.
+    let preload = joint.preload.as_ref().map(|preload| preload.value);
+    let is_held = |used: &EffectUse| match used.effect.id {
+        id if id == CONSTANT_LOAD.id => {
+            !joint.turns || preload.is_some_and(|preload| is_same(preload, value(used.parameters[0])))
+        }
+        id => [COULOMB_FRICTION, GRAVITY_UNBALANCE].iter().any(|held| held.id == id),
+    };
+    let others = model.effects.iter().filter(|used| !is_held(used));
+    let others = others.map(|used| {
+        let part = dry_friction(used).map_or("", |_| ", of which it takes the dry friction at speed alone");
+        format!("{} at {}{part}", used.effect.name, used.place)
+    });
+    let others = others.collect();
     Ok((corrections, others))
 }
 
