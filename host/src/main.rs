@@ -13,6 +13,7 @@ mod interrupt;
 mod live_watch;
 mod output;
 mod provenance;
+mod rules;
 mod table;
 mod uf2;
 mod watch;

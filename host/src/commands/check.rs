@@ -6,23 +6,27 @@ use socam_job::{Grid, Settings};
 use socam_recording::check::{ChannelCheck, Check, Document, Severity, Verdict};
 
 use super::Outcome;
+use crate::rules::{self, Kept, RulesArgs, WithRules};
 use crate::{output, table};
 
 /// Check whether recordings are fit for identification, what is wrong, and what to record instead
 ///
 /// Checks the channels of the model: excitation of the input in amplitude, over frequency and near the model's resonances; speed ratios;
-/// saturated, stuck, noisy or humming sensors; missing rows. Findings are results: the exit code is 0 even if a recording is not fit for use, and 3 if samples of it are missing.
+/// saturated, stuck, noisy or humming sensors; missing rows. Findings are results: the exit code is 0 even if a recording is not fit for use, 3 if samples of it are missing, and 4 if a rule of `--rules` is broken.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   socam-host check RUN.mcap
   socam-host check RUN.mcap@2..10                     only from 2 s to 10 s
   socam-host check axis.csv --model emps              a servo axis, driven by a force
-  socam-host check anything.csv --input voltage       without a model")]
+  socam-host check anything.csv --input voltage       without a model
+  socam-host check RUN.mcap --rules limits.toml       also by rules of your own, for a nightly job")]
 pub(crate) struct Args {
     #[arg(value_name = "RUN", required = true, help = output::RUNS_HELP)]
     runs: Vec<String>,
     #[command(flatten)]
     task: socam_job::Check,
+    #[command(flatten)]
+    rules: RulesArgs,
     /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
@@ -31,19 +35,27 @@ pub(crate) struct Args {
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     args.task.validate()?;
     let model = args.task.load()?;
+    let rules = args.rules.read()?;
+    let mut kept = Vec::new();
     let mut outcome = Outcome::Done;
     let check_one = |run: &String| {
         let data = output::open_on(Grid::View, run)?;
         if Outcome::on([&data]) == Outcome::LostSamples {
             outcome = Outcome::LostSamples;
         }
-        args.task.run(model.as_ref(), &data)
+        kept.extend(rules::judge(rules.as_ref(), &data)?);
+        Ok(args.task.run(model.as_ref(), &data)?)
     };
-    let checks = args.runs.iter().map(check_one).collect::<Result<Vec<_>, _>>()?;
+    let checks = args.runs.iter().map(check_one).collect::<anyhow::Result<Vec<_>>>()?;
+    if kept.iter().any(|kept| !kept.is_kept()) {
+        outcome = Outcome::RuleBroken;
+    }
     if args.json {
-        output::print_json(&Document::new(&checks))?;
+        output::print_json(&WithRules { document: Document::new(&checks), rules: kept })?;
     } else {
-        let texts: Vec<String> = checks.iter().map(text).collect();
+        let of_rules = kept.iter().map(Kept::text).chain(std::iter::repeat_with(String::new));
+        let texts: Vec<String> =
+            checks.iter().zip(of_rules).map(|(check, rules)| text(check) + &rules).collect();
         output::print(&texts.join("\n"))?;
     }
     Ok(outcome)

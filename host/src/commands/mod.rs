@@ -54,6 +54,8 @@ pub(crate) enum Outcome {
     LostSamples,
     /// Ctrl-C ended the search. The best answer so far was printed, and no model was written.
     Interrupted,
+    /// Done, and a rule of `--rules` was broken, or could not be judged.
+    RuleBroken,
     /// Done, but nothing could be judged: no channel in common, or no block like those of the baseline.
     NothingJudged,
 }
@@ -107,6 +109,7 @@ impl From<Outcome> for ExitCode {
         match outcome {
             Outcome::Done => Self::SUCCESS,
             Outcome::LostSamples => Self::from(3),
+            Outcome::RuleBroken => Self::from(4),
             Outcome::Interrupted => Self::from(INTERRUPTED),
             Outcome::NothingJudged => Self::FAILURE,
         }

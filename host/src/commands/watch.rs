@@ -7,11 +7,13 @@ use socam_recording::Dataset;
 use super::Outcome;
 use crate::alarms::{self, WatchArgs};
 use crate::output;
+use crate::rules::{self, Kept, RulesArgs, WithRules};
 
 /// Watch recordings against a model, and raise an alarm where the bench departs from it
 ///
 /// A baseline is learned from recordings of the healthy bench, or from the beginning of each recording. The alarm says when the bench
-/// changed, in which channel, and which cause explains it. Alarms are results: the exit code is 0 with alarms and without.
+/// changed, in which channel, and which cause explains it. Alarms are results: the exit code is 0 with alarms and without, and 4 if a rule of
+/// `--rules` is broken.
 /// `record --watch` does the same while the bench runs.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -25,6 +27,8 @@ pub(crate) struct Args {
     model: ModelSettings,
     #[command(flatten)]
     watch: WatchArgs,
+    #[command(flatten)]
+    rules: RulesArgs,
     /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
@@ -33,6 +37,8 @@ pub(crate) struct Args {
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let model = args.model.load()?;
     let baseline = args.watch.baseline(&model)?;
+    let rules = args.rules.read()?;
+    let mut kept = Vec::new();
     let task = Watch { model: args.model, watching: args.watch.watching };
     let mut outcome = Outcome::Done;
     let mut recordings = Vec::new();
@@ -47,16 +53,22 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
                 alarms::say_baseline(summary);
             }
         }
+        let judged = rules::judge(rules.as_ref(), &data)?;
         if !args.json {
-            output::print(&text(&watched, &data, &events))?;
+            let rules = judged.as_ref().map_or_else(String::new, Kept::text);
+            output::print(&(text(&watched, &data, &events) + &rules))?;
         }
+        kept.extend(judged);
         recordings.push(watched);
     }
     if recordings.iter().any(|watched| watched.verdict == RecordingVerdict::NotJudged) {
         outcome = Outcome::NothingJudged;
     }
+    if kept.iter().any(|kept| !kept.is_kept()) {
+        outcome = Outcome::RuleBroken;
+    }
     if args.json {
-        output::print_json(&Document::new(&model.name, recordings))?;
+        output::print_json(&WithRules { document: Document::new(&model.name, recordings), rules: kept })?;
     }
     Ok(outcome)
 }

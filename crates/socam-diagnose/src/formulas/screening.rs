@@ -8,9 +8,10 @@ use super::grammar::Term;
 const CURVE_ERROR: f64 = 0.02;
 /// Largest number of amplitudes and scales of a formula: a curve has nine points or a few more.
 const MOST_PARAMETERS: usize = 5;
-/// Numbers of formulas with one term, and with two, whose scales leave the grid, and that are fitted to the recordings.
+/// Number of formulas with one term, and of sums, whose scales leave the grid.
 const REFINED: usize = 20;
-const FITTED: usize = 3;
+/// Numbers of formulas with one term, and of sums, that are fitted to the recordings: a curve's points tell simple ones apart least.
+const FITTED: [usize; 2] = [5, 2];
 /// Largest size of a term, in units of the largest height: larger ones cancel each other and mean nothing each.
 const LARGEST_TERM: f64 = 3.0;
 /// Least and largest scale, as shares of the coordinate's largest size: what is smaller or larger was not seen.
@@ -257,14 +258,15 @@ impl Best {
     fn likeliest(self, points: &Weighted<'_>) -> Vec<Form> {
         let mut all: Vec<((usize, Option<usize>), Form)> = self.0.into_iter().collect();
         all.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost).then(a.0.cmp(&b.0)));
-        let of = |is_sum: bool| {
+        let of = |is_sum: bool, count: usize| {
             let best = all.iter().filter(|(terms, _)| terms.1.is_some() == is_sum).take(REFINED);
             let mut refined: Vec<Form> = best.map(|(_, form)| points.refined(form.clone())).collect();
             refined.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-            refined.truncate(FITTED);
+            refined.truncate(count);
             refined
         };
-        [of(false), of(true)].concat()
+        let [single, sums] = FITTED;
+        [of(false, single), of(true, sums)].concat()
     }
 }
 

@@ -1,9 +1,13 @@
 //! A formula compiled to a list of operations, evaluated with exact derivatives by a forward and a backward pass, without allocation.
 
-use super::{CURVE, Curve, FUNCTIONS, Step, What};
+use super::{CURVE, Curve, FUNCTIONS, FormulaProblem, Step, What, check, parse, powers_of, unit_of};
 
 /// Most operations of a compiled formula: the work space of an evaluation lies on the stack.
 pub(crate) const MOST_OPERATIONS: usize = 120;
+
+/// Units by which those of a formula over channels are called.
+const USUAL_UNITS: [&str; 12] =
+    ["1", "N m", "rad/s", "rad", "rad/s2", "N", "m/s", "m", "m/s2", "V", "A", "K"];
 
 /// An operation; operands are indices of earlier operations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,6 +122,43 @@ impl Tape {
             operations.push(operation);
         }
         (stack.len() == 1).then_some(Self { operations, curve })
+    }
+
+    /// A formula over inputs (their names and SI units) that is in `unit`.
+    ///
+    /// ```
+    /// use socam_model::formula::Tape;
+    ///
+    /// let power = Tape::over("abs(torque)*speed", &[("torque".into(), "N m"), ("speed".into(), "rad/s")], "kW")?;
+    /// assert_eq!(power.value(&[-2.0, 3.0]), 6.0);
+    /// # Ok::<(), socam_model::formula::FormulaProblem>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`FormulaProblem`] where the text is no formula, names what is no input, joins units that do not go together, is in another unit, or
+    /// is too long.
+    pub fn over(text: &str, inputs: &[(String, &str)], unit: &str) -> Result<Self, FormulaProblem> {
+        let steps = parse(text)?;
+        let of_input = |name: &str| inputs.iter().find(|(known, _)| known == name).map(|(_, unit)| *unit);
+        let found = check(text, &steps, &USUAL_UNITS, &|name| powers_of(of_input(name)?))?;
+        if !found.is(powers_of(unit).unwrap_or_default()) {
+            let own = unit_of(found.powers(), &USUAL_UNITS);
+            return Err(FormulaProblem::at(
+                text,
+                0,
+                format!("it is in \"{own}\", and \"{unit}\" is expected"),
+            ));
+        }
+        let names: Vec<&str> = inputs.iter().map(|(name, _)| name.as_str()).collect();
+        let too_long =
+            || FormulaProblem::at(text, 0, format!("it has more than {MOST_OPERATIONS} operations"));
+        Self::new(&steps, &names, &[], None).ok_or_else(too_long)
+    }
+
+    /// Value of a formula without parameters, SI.
+    #[must_use]
+    pub fn value(&self, inputs: &[f64]) -> f64 {
+        self.values(inputs, &[])[self.operations.len() - 1]
     }
 
     /// Value of each operation.
