@@ -83,3 +83,39 @@ fn slips_are_named() {
             .contains("mid-run")
     );
 }
+
+#[test]
+fn rules_of_the_users_own_decide_the_exit_code() {
+    let folder = tempfile::tempdir().unwrap();
+    let [run_csv, rules] = ["run.csv", "rules.toml"].map(|name| path(&folder, name));
+    let row = |k: u32| {
+        let torque = if (200..260).contains(&k) { 1.2 } else { 0.5 };
+        format!("{:.2},{torque},{}\n", 0.01 * f64::from(k), f64::from(k % 50))
+    };
+    let rows: String = (0..500).map(row).collect();
+    std::fs::write(&run_csv, format!("time_s,motor_torque_Nm,motor_speed_rad_s\n{rows}")).unwrap();
+    let limit = |for_s: f64| {
+        format!(
+            "[rules.overload]\nformula = \"abs(motor_torque)\"\nunit = \"mN m\"\nbelow = 900\nfor_s = {for_s}\n"
+        )
+    };
+    let check = || run(["check", &run_csv, "--input", "motor_torque", "--rules", &rules]);
+    std::fs::write(&rules, limit(0.3)).unwrap();
+    let broken = check();
+    assert_eq!(broken.code, Some(4), "{}", broken.stderr);
+    let said = "rule overload: broken from 2 s to 2.59 s, worst 1200 mN m at 2 s";
+    assert!(broken.stdout.contains(said), "{}", broken.stdout);
+    let json = run(["check", &run_csv, "--input", "motor_torque", "--rules", &rules, "--json"]);
+    let document: Value = serde_json::from_str(&json.stdout).unwrap();
+    assert_eq!(document["rules"][0]["verdicts"][0]["keeping"], "broken");
+    assert_eq!((&document["schema"], json.code), (&Value::from("socam.check/1"), Some(4)));
+    std::fs::write(&rules, limit(0.8)).unwrap();
+    assert!(check().done().contains("rule overload: kept"));
+    std::fs::write(&rules, limit(0.3).replace("motor_torque", "motor_torqe")).unwrap();
+    let refused = check();
+    assert!(
+        refused.stderr.contains("rules.toml`: line 2: rules.overload.formula names motor_torqe"),
+        "{}",
+        refused.stderr
+    );
+}

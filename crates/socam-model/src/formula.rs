@@ -143,6 +143,21 @@ impl Formula {
         }
     }
 
+    /// The names of parameters and inputs, and `pi`, each once.
+    #[must_use]
+    pub fn all_names(&self) -> Vec<String> {
+        let mut all = match self {
+            Self::Number(_) => Vec::new(),
+            Self::Name(name) => vec![name.clone()],
+            Self::Negative(inner) => inner.all_names(),
+            Self::Binary(_, left, right) => [left.all_names(), right.all_names()].concat(),
+            Self::Call(_, arguments) => arguments.iter().flat_map(Self::all_names).collect(),
+        };
+        all.sort();
+        all.dedup();
+        all
+    }
+
     /// Whether a name occurs for which `is_one` holds.
     #[must_use]
     pub fn names(&self, is_one: &dyn Fn(&str) -> bool) -> bool {

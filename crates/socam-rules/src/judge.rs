@@ -1,7 +1,7 @@
 //! Rules on the rows of a recording.
 
 use serde::Serialize;
-use socam_model::formula::{Formula, Tape};
+use socam_model::formula::{Formula, FormulaProblem, Tape};
 use socam_recording::{Channel, Dataset};
 use socam_units::Scale;
 
@@ -91,45 +91,18 @@ impl<'r> Judge<'r> {
 impl<'r> Bound<'r> {
     fn new(rule: &'r Rule, data: &Dataset) -> Result<Self, RulesError> {
         let fail = |problem: String| RulesError::Unfit { line: rule.line, rule: rule.name.clone(), problem };
-        let in_formula = |problem: &dyn std::fmt::Display| fail(format!("formula, {problem}"));
-        let channels = data.channels();
-        let tree = Formula::parse(&rule.formula).map_err(|problem| in_formula(&problem))?;
-        let named: Vec<usize> = (0..channels.len())
-            .filter(|index| tree.names(&|name| name == spelled(&channels[*index])))
-            .collect();
-        let inputs: Vec<(String, &str)> =
-            named.iter().map(|index| (spelled(&channels[*index]), channels[*index].unit.symbol())).collect();
-        if let Some(twice) =
-            inputs.iter().enumerate().find(|(at, own)| inputs[..*at].iter().any(|other| other.0 == own.0))
-        {
-            return Err(fail(format!(
-                "formula names {}, and two channels of {} are spelled so; rename one",
-                twice.1.0,
-                data.name()
-            )));
+        let in_formula = |problem: FormulaProblem| fail(format!("formula, {problem}"));
+        let names = Formula::parse(&rule.formula).map_err(in_formula)?.all_names();
+        let (mut channels, mut inputs) = (Vec::new(), Vec::new());
+        for name in names.into_iter().filter(|name| name != "pi") {
+            let index = named(data, &name).map_err(fail)?;
+            channels.push(index);
+            inputs.push((name, data.channels()[index].unit.symbol()));
         }
-        let is_known = |name: &str| name == "pi" || inputs.iter().any(|(known, _)| known == name);
-        if tree.names(&|name| !is_known(name)) {
-            let unknown = std::cell::RefCell::new(String::new());
-            let _ = tree.names(&|name| {
-                !is_known(name) && {
-                    unknown.replace(name.to_owned());
-                    true
-                }
-            });
-            let all: Vec<String> = channels.iter().map(|own| spelled(own)).collect();
-            return Err(fail(format!(
-                "formula names {}, and {} has no such channel; its channels are {}",
-                unknown.into_inner(),
-                data.name(),
-                all.join(", ")
-            )));
-        }
-        let formula =
-            Tape::over(&rule.formula, &inputs, &rule.unit).map_err(|problem| in_formula(&problem))?;
+        let formula = Tape::over(&rule.formula, &inputs, &rule.unit).map_err(in_formula)?;
         let scale = socam_units::parse(&rule.unit)
-            .ok_or_else(|| fail(format!("unit \"{}\" is unknown", rule.unit)))?;
-        Ok(Self { rule, formula, channels: named, scale })
+            .ok_or_else(|| fail(format!("unit is \"{}\", which is unknown", rule.unit)))?;
+        Ok(Self { rule, formula, channels, scale })
     }
 
     fn verdict(&self, data: &Dataset) -> Result<Verdict, RulesError> {
@@ -176,6 +149,24 @@ impl<'r> Bound<'r> {
         let below = self.rule.below.map(|most| value - most);
         let above = self.rule.above.map(|least| least - value);
         [below, above].into_iter().flatten().filter(|beyond| *beyond >= 0.0).reduce(f64::max)
+    }
+}
+
+/// The channel that a formula names; the error continues a sentence that begins with the name of a rule.
+fn named(data: &Dataset, name: &str) -> Result<usize, String> {
+    let spelled: Vec<String> = data.channels().iter().map(spelled).collect();
+    let mut found = (0..spelled.len()).filter(|index| spelled[*index] == name);
+    match (found.next(), found.next()) {
+        (Some(index), None) => Ok(index),
+        (Some(_), Some(_)) => Err(format!(
+            "formula names {name}, and two channels of {} are spelled so; rename one",
+            data.name()
+        )),
+        _ => Err(format!(
+            "formula names {name}, and {} has no such channel; its channels are {}",
+            data.name(),
+            spelled.join(", ")
+        )),
     }
 }
 
@@ -298,7 +289,7 @@ mod tests {
         let longer = "formula = \"abs(motor_torque)\"\nunit = \"N m\"\nbelow = 2\nfor_s =";
         assert_eq!(verdict(&format!("{longer} 0.1")).times, 1);
         assert_eq!(verdict(&format!("{longer} 0.3")).keeping, Keeping::Kept);
-        assert_eq!(verdict("formula = \"motor_torque*speed\"\nunit = \"W\"\nabove = -30").times, 1);
+        assert_eq!(verdict("formula = \"motor_torque*speed\"\nunit = \"N m rad/s\"\nabove = -30").times, 1);
     }
 
     #[test]
