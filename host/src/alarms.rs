@@ -11,7 +11,7 @@ use crate::output;
 /// How a bench is watched
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct WatchArgs {
-    /// Recording of the healthy bench, or a part of it: RUN@FROM..TO in seconds; may be repeated [default: the beginning of what is watched]
+    /// Recording of the healthy bench, or a part of it: RUN@FROM..TO in seconds or clock times; may be repeated [default: the beginning of what is watched]
     #[arg(long, value_name = "HEALTHY", num_args = 1..)]
     pub(crate) baseline: Vec<String>,
     #[command(flatten)]
@@ -26,7 +26,7 @@ impl WatchArgs {
 
     /// Computes the baseline of the healthy recordings, if any are given, and prints its summary.
     pub(crate) fn baseline(&self, model: &Model) -> anyhow::Result<Option<Baseline>> {
-        let healthy = output::open_all(Grid::Even(model), &self.baseline)?;
+        let healthy = output::open_all(Grid::Even(model), &output::expanded(&self.baseline)?)?;
         let baseline = self.watching.baseline(model, &healthy)?;
         baseline.iter().for_each(|baseline| say_baseline(baseline.summary()));
         Ok(baseline)

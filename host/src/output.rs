@@ -8,11 +8,10 @@ use std::process::ExitCode;
 use anyhow::Context;
 use serde::Serialize;
 use socam_job::{Grid, JobError};
-use socam_recording::{Dataset, OutputFile, RecordingError};
+use socam_recording::{Dataset, OutputFile, RecordingError, Selection};
 
 /// Help of every argument that names recordings.
-pub(crate) const RUNS_HELP: &str =
-    "Recordings in any format that `import` reads, or parts of them: RUN@FROM..TO in seconds";
+pub(crate) const RUNS_HELP: &str = "Recordings in any format that `import` reads, or parts of them: RUN@FROM..TO in seconds or clock times; wildcards in quotes; A+B joins files of one run";
 
 /// Arguments that no command can work with; ends with exit code 2.
 #[derive(Debug)]
@@ -84,6 +83,11 @@ pub(crate) fn warn(text: impl std::fmt::Display) {
     say_after(&painted("warning: ", "33"), text);
 }
 
+/// Names of recordings with their wildcards expanded, as shells do that do it.
+pub(crate) fn expanded(runs: &[String]) -> Result<Vec<String>, RecordingError> {
+    socam_recording::expand(runs)
+}
+
 /// Opens a recording (`RUN` or `RUN@FROM..TO`) and prints its warnings.
 pub(crate) fn open(run: &str) -> anyhow::Result<Dataset> {
     let data = socam_import::open(run)?;
@@ -133,6 +137,11 @@ pub(crate) fn check_target(target: &Path, source: &Path, replace: bool) -> anyho
     check_free(target, replace)
 }
 
+/// The same for a conversion of a recording, which may be in several files.
+pub(crate) fn check_target_of(target: &Path, run: &Selection, replace: bool) -> anyhow::Result<()> {
+    run.files().try_for_each(|source| check_target(target, source, replace))
+}
+
 /// Refuses to replace a file unless it may be replaced. An empty file may be.
 fn check_free(target: &Path, replace: bool) -> anyhow::Result<()> {
     if !replace && target.metadata().is_ok_and(|there| there.is_file() && there.len() > 0) {
@@ -149,7 +158,10 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     say_after(&painted("error: ", "31"), sentence(error));
     let wrong_arguments = error.is::<WrongArguments>()
         || error.downcast_ref().is_some_and(JobError::is_wrong_request)
-        || matches!(error.downcast_ref(), Some(RecordingError::Selection { .. }));
+        || matches!(
+            error.downcast_ref(),
+            Some(RecordingError::Selection { .. } | RecordingError::Pattern { .. })
+        );
     ExitCode::from(if wrong_arguments { 2 } else { 1 })
 }
 

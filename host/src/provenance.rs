@@ -14,10 +14,12 @@ pub(crate) fn of<'a>(
 ) -> anyhow::Result<Provenance> {
     let mut files = vec![FileHash::of_content(name, model.text.as_bytes())];
     for run in runs {
-        let path = Selection::parse(run)?.path;
+        let selection = Selection::parse(run)?;
         // A pipe can be read only once, and was read already.
-        if path.is_file() {
-            let hash = FileHash::of_file(run, &path).with_context(|| format!("cannot read `{run}` again"))?;
+        for path in selection.files().filter(|path| path.is_file()) {
+            let name = if selection.more.is_empty() { run.clone() } else { path.display().to_string() };
+            let hash =
+                FileHash::of_file(&name, path).with_context(|| format!("cannot read `{name}` again"))?;
             files.push(hash);
         }
     }

@@ -286,7 +286,7 @@ class Recording:
     @staticmethod
     def open(run: str) -> Recording:
         """
-        Opens a file of any format, or a part of it: `RUN@FROM..TO` in seconds.
+        Opens a file of any format, or a part of it: `RUN@FROM..TO` in seconds or clock times.
         """
     @property
     def rows(self, /) -> int:
@@ -341,6 +341,11 @@ def design(model: Model, recordings: SupportsGetItem[int, Recording], *, rival: 
 def diagnose(recordings: SupportsGetItem[int, Recording], model: Model, *, holdout: SupportsGetItem[int, Recording], progress: "object" = None, **options: "object") -> Diagnosis:
     """
     Finds the physics that a model lacks, by recordings.
+    """
+
+def expand(run: str) -> list[str]:
+    """
+    Names of recordings, with the wildcards of this one expanded.
     """
 
 def fleet_list(place: str | PathLike[str], content: bytes) -> list[tuple[str, Path, str | None, int | None]]:

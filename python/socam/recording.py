@@ -175,7 +175,7 @@ def read(source: Source, *, name: str | None = None, storage_options: StorageOpt
     Parameters
     ----------
     source
-        A path, or a part of a file as `RUN@FROM..TO` in seconds; a URI that fsspec knows; the bytes of a file; or columns: a mapping of
+        A path, or a part of a file as `RUN@FROM..TO` in seconds or clock times; files of one run as `A.csv+B.csv` or `log_*.csv+`; a URI that fsspec knows; the bytes of a file; or columns: a mapping of
         names to arrays of shape (rows,), or a table of pandas, polars or pyarrow, with the times `t_s` in s, and names that end in an SI
         unit (`motor_speed_rad_s`, `torque_Nm`). Columns are copied once.
     name
@@ -233,9 +233,15 @@ def _values(name: str, values: Any) -> NDArray[np.float64]:
     return array
 
 
+def _expanded(source: Source) -> list[Source]:
+    """The files that a pattern such as `runs/*.csv` names; anything else as it is."""
+    return list(_socam.expand(source)) if isinstance(source, str) and not _files.is_remote(source) else [source]
+
+
 def several(sources: Sources) -> list[_socam.Recording]:
     """One recording or several, of whatever `read` takes, each once."""
-    listed = sources if isinstance(sources, list | tuple) else [sources]
+    named = sources if isinstance(sources, list | tuple) else [sources]
+    listed = [one for source in named for one in _expanded(source)]
     inner = [read(source)._inner for source in listed]
     if len({id(one) for one in inner}) < len(inner):
         raise ValueError("a recording is named twice; its samples would count double")

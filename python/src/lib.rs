@@ -36,7 +36,7 @@ mod _socam {
         identification::{Identification, identify},
         model::Model,
         options::described,
-        recording::{Column, Recording},
+        recording::{Column, Recording, expand},
         response::frf,
         simulation::{profiles, replay, simulate},
         summary::FleetSummary,

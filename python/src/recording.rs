@@ -16,6 +16,12 @@ use crate::arrow;
 use crate::errors::{Raised, RecordingError};
 use crate::waiting;
 
+/// Names of recordings, with the wildcards of this one expanded.
+#[pyfunction]
+pub(crate) fn expand(run: String) -> PyResult<Vec<String>> {
+    socam_recording::expand(&[run]).map_err(Raised::raised)
+}
+
 /// A recording over time: channels in SI units and their samples.
 #[pyclass(frozen, module = "socam._socam")]
 pub(crate) struct Recording {
@@ -43,7 +49,7 @@ impl Recording {
 
 #[pymethods]
 impl Recording {
-    /// Opens a file of any format, or a part of it: `RUN@FROM..TO` in seconds.
+    /// Opens a file of any format, or a part of it: `RUN@FROM..TO` in seconds or clock times.
     #[staticmethod]
     fn open(py: Python<'_>, run: String) -> PyResult<Self> {
         let selection = Selection::parse(&run).map_err(|error| PyValueError::new_err(error.to_string()))?;

@@ -3,6 +3,7 @@
 #[cfg(feature = "full")]
 mod dialects;
 mod mistakes;
+mod named;
 mod tables;
 
 use std::path::Path;

@@ -173,17 +173,24 @@ impl File {
     }
 
     /// A signal's values at the rows that have a time.
-    pub(crate) fn values(
-        &self,
-        channel: &ChannelMap,
-        group: usize,
-        column: usize,
-        times: &Times,
-    ) -> Vec<f64> {
-        let signal = &self.source.groups[group].signals[column];
-        let all: Vec<f64> = signal.absolute().collect();
-        let is_none = |value: f64| !value.is_finite() || channel.missing == Some(value);
-        times.rows.iter().map(|row| if is_none(all[*row]) { f64::NAN } else { all[*row] }).collect()
+    pub(crate) fn values(&self, channel: &ChannelMap, place: (usize, usize), times: &Times) -> Vec<f64> {
+        let signal = &self.source.groups[place.0].signals[place.1];
+        let value = |row: &usize| {
+            let value = signal.values[*row] + signal.origin as f64;
+            if !value.is_finite() || channel.missing == Some(value) { f64::NAN } else { value }
+        };
+        times.rows.iter().map(value).collect()
+    }
+
+    /// Drops the values of all other signals, which need memory.
+    pub(crate) fn keep_values(&mut self, places: &[(usize, usize)]) {
+        for (group, taken) in self.source.groups.iter_mut().enumerate() {
+            for (column, signal) in taken.signals.iter_mut().enumerate() {
+                if !places.contains(&(group, column)) {
+                    signal.values = Vec::new();
+                }
+            }
+        }
     }
 }
 

@@ -2,10 +2,10 @@
 
 use std::collections::HashSet;
 
-use socam_recording::{Channel, Dataset, Selection, Warning};
+use socam_recording::{Channel, Dataset, Epoch, Selection, Warning};
 
 use crate::align::{align, unwrap, usual};
-use crate::error::Result;
+use crate::error::{ImportError, Result};
 use crate::file::File;
 use crate::formats::{Hints, read};
 use crate::mapping::{Between, ChannelMap, Mapping, Time};
@@ -17,8 +17,6 @@ use crate::times::median_step_s;
 pub struct Imported {
     /// The recording; what was left out or changed is among its warnings.
     pub data: Dataset,
-    /// Time at which the recording began, ns since 1970; 0 if the file does not state it.
-    pub start_unix_ns: u64,
     /// Interpretation of each channel.
     pub channels: Vec<Understood>,
 }
@@ -52,12 +50,30 @@ pub fn import(selection: &Selection, mapping: &Mapping) -> Result<Imported> {
     import_noted(selection, mapping, Vec::new())
 }
 
-/// Imports a file as [`import`] does, and adds notes on the signals that the mapping leaves out.
+/// Imports files as [`import`] does, and adds notes on the signals that the mapping leaves out.
 pub(crate) fn import_noted(
     selection: &Selection,
     mapping: &Mapping,
-    mut notes: Vec<Warning>,
+    notes: Vec<Warning>,
 ) -> Result<Imported> {
+    each(selection, |part| import_file(part, mapping, notes.clone()))
+}
+
+/// What a selection names, of files that are imported one by one.
+pub(crate) fn each(
+    selection: &Selection,
+    import: impl Fn(&Selection) -> Result<Imported>,
+) -> Result<Imported> {
+    let mut channels = Vec::new();
+    let data = Dataset::open_by(selection, |part| {
+        let imported = import(part)?;
+        Understood::join(&mut channels, imported.channels);
+        Ok::<_, ImportError>(imported.data)
+    })?;
+    Ok(Imported { data, channels })
+}
+
+fn import_file(selection: &Selection, mapping: &Mapping, mut notes: Vec<Warning>) -> Result<Imported> {
     let path = &selection.path;
     let signals = mapping.channels.iter().map(|channel| channel.signal.clone());
     let times = mapping.clocks.iter().filter_map(|clock| match &clock.time {
@@ -86,7 +102,7 @@ fn assemble(
     source: Source,
     mut notes: Vec<Warning>,
 ) -> Result<Imported> {
-    let file = File {
+    let mut file = File {
         path: selection.path.clone(),
         mapping: mapping.file.clone(),
         dbc: mapping.dbc.clone(),
@@ -102,6 +118,7 @@ fn assemble(
         found.push((group, column));
     }
     let clocks = file.clocks(mapping, &used)?;
+    file.keep_values(&found);
     let base = clocks.iter().position(Option::is_some).unwrap_or(0);
     let base = mapping
         .clocks
@@ -113,9 +130,11 @@ fn assemble(
         clocks[base].as_ref().ok_or_else(|| file.problem("holds no clock".into()))?;
     let rows_s = base_times.relative_to(base_times.epoch_ns, *base_offset_s);
     let mut imported = (Vec::new(), Vec::new(), Vec::new());
-    for (channel, (group, column)) in mapping.channels.iter().zip(found) {
+    for (index, (channel, place)) in mapping.channels.iter().zip(&found).enumerate() {
+        let group = place.0;
         let Some((times, offset_s)) = &clocks[group] else { continue };
-        let mut values = file.values(channel, group, column, times);
+        let mut values = file.values(channel, *place, times);
+        file.keep_values(&found[index + 1..]);
         let mut remarks = convert(channel, &mut values);
         let times_s = times.relative_to(base_times.epoch_ns, *offset_s);
         let understood = Understood::of(channel, &values, &times_s);
@@ -144,8 +163,9 @@ fn assemble(
     }
     let (channels, columns, understood) = imported;
     let data = Dataset::from_columns_within(selection, channels, rows_s, columns)?;
-    let data = data.with_warnings(notes);
-    Ok(Imported { data, start_unix_ns: base_times.start_unix_ns(), channels: understood })
+    let epoch = base_times.epoch().or(file.source.start_unix_ns.map(Epoch::Date));
+    let data = data.with_warnings(notes).with_epoch(epoch);
+    Ok(Imported { data, channels: understood })
 }
 
 /// Values in the file's unit to SI. Returns remarks.
@@ -162,6 +182,21 @@ fn convert(channel: &ChannelMap, values: &mut [f64]) -> Vec<String> {
 }
 
 impl Understood {
+    /// Adds what became of the signals of the next file.
+    pub(crate) fn join(all: &mut Vec<Self>, next: Vec<Self>) {
+        for own in next {
+            let Some(known) = all.iter_mut().find(|known| known.column == own.column) else {
+                all.push(own);
+                continue;
+            };
+            known.values += own.values;
+            known.range = match (known.range, own.range) {
+                (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
+                (a, b) => a.or(b),
+            };
+        }
+    }
+
     fn of(channel: &ChannelMap, values: &[f64], times_s: &[f64]) -> Self {
         let held = || values.iter().copied().filter(|value| !value.is_nan());
         let range = held().map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));

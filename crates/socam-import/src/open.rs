@@ -4,13 +4,13 @@ use std::path::Path;
 
 use socam_recording::{Dataset, Format, RecordingError, Selection};
 
-use crate::error::Result;
+use crate::error::{ImportError, Result};
 use crate::formats::detect;
-use crate::import::Imported;
+use crate::import::{Imported, Understood};
 use crate::propose::import_stated;
 
-/// Opens a recording, or a part of one: MCAP, CSV and legacy logs of `socam`, and files of other programs that state the units and times
-/// of all their signals. What was left aside is among its warnings.
+/// Opens a recording, a part of one, or files that follow one another (see [`Selection::parse`]): MCAP, CSV and legacy logs of `socam`, and
+/// files of other programs that state the units and times of all their signals. What was left aside is among its warnings.
 ///
 /// # Errors
 /// When the file cannot be read, is damaged, or does not say what its numbers are.
@@ -35,9 +35,12 @@ pub fn open_selection(selection: &Selection) -> Result<Dataset> {
 /// # Errors
 /// When [`open`] would refuse the file by its first bytes; the same sentence.
 pub fn probe(selection: &Selection) -> Result<()> {
-    let path = &selection.path;
+    selection.files().try_for_each(|path| probe_file(path))
+}
+
+fn probe_file(path: &Path) -> Result<()> {
     match socam_recording::detect(path) {
-        Ok(Format::SteadyStates) => Err(RecordingError::SteadyStates { path: path.clone() }.into()),
+        Ok(Format::SteadyStates) => Err(RecordingError::SteadyStates { path: path.into() }.into()),
         Err(error) if error.is_foreign() && detect(path).is_ok() => Ok(()),
         own => Ok(own.map(drop)?),
     }
@@ -58,6 +61,20 @@ pub enum Opened {
 /// # Errors
 /// The errors of [`open`].
 pub fn open_either(selection: &Selection, dbc: Option<&Path>) -> Result<Opened> {
+    let mut channels = Vec::new();
+    let data = Dataset::open_by(selection, |part| {
+        Ok::<_, ImportError>(match open_file(part, dbc)? {
+            Opened::Own(data) => data,
+            Opened::Foreign(imported) => {
+                Understood::join(&mut channels, imported.channels);
+                imported.data
+            }
+        })
+    })?;
+    Ok(if channels.is_empty() { Opened::Own(data) } else { Opened::Foreign(Imported { data, channels }) })
+}
+
+fn open_file(selection: &Selection, dbc: Option<&Path>) -> Result<Opened> {
     match Dataset::open_selection(selection) {
         Err(error) if error.is_foreign() && detect(&selection.path).is_ok() => {
             Ok(Opened::Foreign(import_stated(selection, dbc)?))

@@ -12,7 +12,7 @@ use socam_units::{Column, Conversion, Meaning};
 
 use crate::error::{ImportError, Result};
 use crate::formats::detect;
-use crate::import::{Imported, import_noted};
+use crate::import::{Imported, each, import_noted};
 use crate::mapping::Stamps;
 use crate::source::{Signal, Source};
 use crate::times::Times;
@@ -107,6 +107,10 @@ pub fn propose(path: &Path, dbc: Option<&Path>) -> Result<Proposal> {
 /// # Errors
 /// As [`import`](fn@crate::import); also where a unit or a time is not stated, which `import --propose` shows.
 pub fn import_stated(selection: &Selection, dbc: Option<&Path>) -> Result<Imported> {
+    each(selection, |part| import_stated_file(part, dbc))
+}
+
+fn import_stated_file(selection: &Selection, dbc: Option<&Path>) -> Result<Imported> {
     let path = &selection.path;
     let mut draft = Draft::of(path, dbc)?;
     if draft.channels.iter().any(|channel| channel.conversion().is_some()) {
@@ -139,7 +143,7 @@ pub struct Guessed {
 }
 
 /// Makes a recording of a file as [`import_stated`] does, with the likeliest unit and time where the file states none: those that
-/// [`propose`] names first. Columns whose names suggest no unit are left aside.
+/// [`propose`] names first. Columns whose names suggest no unit are left aside. Of several files that are joined the first one tells.
 ///
 /// # Errors
 /// As [`import_stated`]; also where no column holds times, or no channel is left.

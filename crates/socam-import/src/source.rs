@@ -13,6 +13,8 @@ pub struct Source {
     pub notes: Vec<Warning>,
     /// Layout by which the lines of a text file were read.
     pub text: Option<crate::TextLayout>,
+    /// What the clock showed at time 0 of groups whose times are not since 1970 themselves, ns since 1970.
+    pub start_unix_ns: Option<i64>,
     /// The DBC that was named for the frames of a CAN bus.
     pub dbc: Option<std::path::PathBuf>,
 }

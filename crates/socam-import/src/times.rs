@@ -1,5 +1,7 @@
 //! Times of a group's samples, by its clock.
 
+use socam_recording::Epoch;
+
 use crate::mapping::Stamps;
 use crate::source::Group;
 
@@ -17,6 +19,8 @@ pub(crate) struct Times {
     pub(crate) seconds: Vec<f64>,
     /// Row of each time in the group.
     pub(crate) rows: Vec<usize>,
+    /// Whether they are times of day, of a day that is not known.
+    pub(crate) are_of_day: bool,
     /// Notes on the processing of the times, in a few words each.
     pub(crate) notes: Vec<String>,
 }
@@ -28,7 +32,7 @@ impl Times {
     /// Times at a constant rate.
     pub(crate) fn of_rate(rows: usize, rate_hz: f64) -> Self {
         let seconds = (0..rows).map(|row| row as f64 / rate_hz).collect();
-        Self { epoch_ns: 0, seconds, rows: (0..rows).collect(), notes: Vec::new() }
+        Self { epoch_ns: 0, seconds, rows: (0..rows).collect(), are_of_day: false, notes: Vec::new() }
     }
 
     /// Times from a signal of the group whose unit is `unit_s` seconds.
@@ -63,7 +67,7 @@ impl Times {
             notes.push(format!("stamps evened out, by {:.3} ms at most", 1e3 * moved_s));
         }
         check(&seconds, &rows, &signal.name)?;
-        Ok(Self { epoch_ns, seconds, rows, notes }.counted_from_start())
+        Ok(Self { epoch_ns, seconds, rows, are_of_day: signal.is_date, notes }.counted_from_start())
     }
 
     /// Absolute times count from the first one.
@@ -83,9 +87,12 @@ impl Times {
         self.seconds.iter().map(|time| time + shift_s).collect()
     }
 
-    /// Time at which the recording began, ns since 1970; 0 if it is not known.
-    pub(crate) fn start_unix_ns(&self) -> u64 {
-        if self.epoch_ns < ABSOLUTE_NS { 0 } else { u64::try_from(self.epoch_ns).unwrap_or(0) }
+    /// What the clock showed at time 0, if it is known.
+    pub(crate) fn epoch(&self) -> Option<Epoch> {
+        match i64::try_from(self.epoch_ns) {
+            Ok(ns) if self.epoch_ns >= ABSOLUTE_NS => Some(Epoch::Date(ns)),
+            _ => self.are_of_day.then_some(Epoch::Midnight),
+        }
     }
 }
 
@@ -166,7 +173,7 @@ mod tests {
         let stamps = [0, 1_000_003, 2_000_001].map(|step| Some(first + step));
         let signal = Signal::of_integers("t", None, stamps.into_iter());
         let times = Times::of_signal(&group(signal, false), 0, 1e-9, Stamps::Exact).unwrap();
-        assert_eq!(times.start_unix_ns(), first as u64);
+        assert_eq!(times.epoch(), Some(Epoch::Date(first)));
         assert!(
             times.seconds.iter().zip([0.0, 1.000_003e-3, 2.000_001e-3]).all(|(a, b)| (a - b).abs() < 1e-15)
         );

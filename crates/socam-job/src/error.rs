@@ -116,7 +116,10 @@ impl JobError {
                 | Self::Inputs(_)
                 | Self::Change { .. }
                 | Self::NoModel { .. }
-                | Self::Recording(socam_recording::RecordingError::Selection { .. })
+                | Self::Recording(
+                    socam_recording::RecordingError::Selection { .. }
+                        | socam_recording::RecordingError::Pattern { .. }
+                )
         )
     }
 

@@ -14,13 +14,20 @@ pub fn refuse_shared<'r>(runs: impl IntoIterator<Item = &'r String>, why: &str) 
     let mut known: Vec<(&String, Selection)> = Vec::new();
     for run in runs {
         let mut own = Selection::parse(run)?;
-        own.path = own.path.canonicalize().unwrap_or(own.path);
-        let overlaps = |other: &Selection| own.path == other.path && own.span.overlaps(&other.span);
-        if let Some((before, _)) = known.iter().find(|(_, other)| overlaps(other)) {
+        let files = std::iter::once(&mut own.path).chain(&mut own.more);
+        files.for_each(|path| *path = path.canonicalize().unwrap_or_else(|_| path.clone()));
+        let is_shared =
+            |other: &Selection| own.files().any(|file| other.files().any(|theirs| file == theirs));
+        let overlaps = |other: &Selection| is_shared(other) && own.overlaps(other) != Some(false);
+        if let Some((before, other)) = known.iter().find(|(_, other)| overlaps(other)) {
             let what = if *before == run {
                 format!("`{run}` is named twice")
-            } else {
+            } else if own.overlaps(other).is_some() {
                 format!("`{before}` and `{run}` have samples in common, which are named twice")
+            } else {
+                format!(
+                    "whether `{before}` and `{run}` have samples in common is not known before they are opened: name both parts in seconds, or both in clock times, of the same files"
+                )
             };
             return Err(JobError::Inputs(format!("{what}; {why}")));
         }
@@ -68,5 +75,5 @@ pub fn refuse_fitted(runs: &[String], held_out: &[String]) -> Result<()> {
 /// # Errors
 /// When a selection cannot be read.
 pub fn paths(runs: &[String]) -> Result<Vec<PathBuf>> {
-    Ok(selections(runs)?.into_iter().map(|own| own.path).collect())
+    Ok(selections(runs)?.iter().flat_map(Selection::files).cloned().collect())
 }

@@ -70,7 +70,7 @@ const fn tool(
     Tool { name, about, command, arguments, task, is_picture: false }
 }
 
-const RECORDINGS: &str = "Recordings (.mcap, .csv, or any format that `propose_mapping` reads), or parts of them: RUN@FROM..TO in seconds";
+const RECORDINGS: &str = "Recordings (.mcap, .csv, or any format that `propose_mapping` reads), or parts of them: RUN@FROM..TO in seconds or clock times; wildcards; A+B joins files of one run";
 const DBC: Argument = argument("dbc", Takes::One("--dbc"), "DBC by which a log of a CAN bus is decoded");
 const WRITE_MODEL: Argument =
     argument("write_model", Takes::Written("--write-model"), "Write the resulting model to this file");
@@ -153,7 +153,11 @@ pub(crate) const TOOLS: &[Tool] = &[
         "compare",
         &["compare", "--json"],
         &[
-            required("recording", Takes::File, "Recording, or a part of it: RUN@FROM..TO in seconds"),
+            required(
+                "recording",
+                Takes::File,
+                "Recording, or a part of it: RUN@FROM..TO in seconds or clock times",
+            ),
             required("simulation", Takes::File, "Output of a simulator"),
             argument("report", Takes::Written("--report"), REPORT),
         ],

@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
+use crate::clock_time::Epoch;
 use crate::dataset::{Block, Dataset};
 use crate::error::{RecordingError, Result};
 use crate::format::Format;
 use crate::log::attachments::Attachment;
+use crate::log::names::{TIME_ZERO, TIME_ZERO_MIDNIGHT, TIME_ZERO_UNKNOWN};
 use crate::log::sample::{Event, SampleRow, encode_event, encode_sample};
 use crate::log::writer::{LogWriter, RecordingHeader, Topic};
 use crate::output_file::OutputFile;
@@ -15,8 +17,7 @@ use crate::output_file::OutputFile;
 /// Times beyond this (centuries) do not fit a log's nanoseconds.
 const LARGEST_TIME_S: f64 = 8e9;
 
-/// Times above this are seconds since 1970, not since the recording's start.
-const EPOCH_TIME_S: f64 = 1e8;
+const DAY_NS: u64 = 86_400_000_000_000;
 
 /// Writes a recording as CSV, `t_s` first; numbers are the shortest text that reads back as the same value, and a missing
 /// value is an empty cell. The file is written completely or not at all.
@@ -89,6 +90,7 @@ fn quoted(name: &str) -> String {
 }
 
 /// Writes a recording as an MCAP log, with its origin and the given notes as metadata, and the given files as attachments. Times and values come back exactly.
+/// `written_unix_ns`: when the file was last written, the time of its start where the recording states none.
 /// The file is written completely or not at all.
 ///
 /// ```
@@ -109,7 +111,7 @@ fn quoted(name: &str) -> String {
 /// When the recording is MCAP already, cannot be read again, or the file cannot be written.
 pub fn import_mcap(
     data: &Dataset,
-    start_unix_ns: u64,
+    written_unix_ns: u64,
     metadata: BTreeMap<String, String>,
     attachments: Vec<Attachment>,
     target: &Path,
@@ -126,8 +128,20 @@ pub fn import_mcap(
         });
     }
     let mut header = RecordingHeader::new(data.channels().to_vec());
-    header.start_unix_ns = if data.start_s() > EPOCH_TIME_S { 0 } else { start_unix_ns };
     header.metadata = metadata;
+    let mut time_zero = |text: &str| header.metadata.insert(TIME_ZERO.into(), text.into());
+    header.start_unix_ns = match data.epoch() {
+        Some(Epoch::Date(ns)) => u64::try_from(ns).unwrap_or(0),
+        Some(Epoch::Midnight) => {
+            time_zero(TIME_ZERO_MIDNIGHT);
+            written_unix_ns - written_unix_ns % DAY_NS
+        }
+        None if written_unix_ns == 0 => 0,
+        None => {
+            time_zero(TIME_ZERO_UNKNOWN);
+            written_unix_ns
+        }
+    };
     header.attachments = attachments;
     let source = data.name().to_owned();
     header.metadata.insert("imported_from".into(), source);

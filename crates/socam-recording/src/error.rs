@@ -140,12 +140,22 @@ pub enum RecordingError {
         available: String,
     },
     /// The part after `@` of `RUN@FROM..TO` is no span of time.
-    #[error("`{text}`: {problem}; write RUN@FROM..TO with seconds, such as run.csv@2..7.5")]
+    #[error(
+        "`{text}`: {problem}; write RUN@FROM..TO in seconds or clock times, such as run.csv@2..7.5 or run.csv@14:03:20..14:05"
+    )]
     Selection {
         /// The whole argument.
         text: String,
         /// Explanation of what is wrong.
         problem: &'static str,
+    },
+    /// A wildcard, or files joined by `+`, that name no recording.
+    #[error("`{text}` {problem}")]
+    Pattern {
+        /// The text.
+        text: String,
+        /// Explanation of what is wrong.
+        problem: String,
     },
     /// Columns given in memory that do not form a recording.
     #[error("recording `{name}`: {problem}")]

@@ -15,6 +15,12 @@ pub(crate) fn open(path: &Path) -> io::Result<(File, u64)> {
     Ok((file, length))
 }
 
+/// Whether there is a file, or a folder, of this name.
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) fn exists(name: &str) -> bool {
+    Path::new(name).exists()
+}
+
 /// Longest text file that is read whole: a model, a profile, a calibration, a table of pairs.
 const TEXT_BYTES: u64 = 64 << 20;
 
@@ -68,7 +74,7 @@ pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 #[cfg(target_arch = "wasm32")]
 pub use handed_over::hand_over;
 #[cfg(target_arch = "wasm32")]
-pub(crate) use handed_over::{File, open};
+pub(crate) use handed_over::{File, exists, open};
 
 #[cfg(target_arch = "wasm32")]
 mod handed_over {
@@ -87,6 +93,10 @@ mod handed_over {
         let files = FILES.lock().unwrap_or_else(PoisonError::into_inner);
         let bytes = files.get(path).ok_or(io::ErrorKind::NotFound)?;
         Ok((Cursor::new(bytes.clone()), bytes.len() as u64))
+    }
+
+    pub(crate) fn exists(name: &str) -> bool {
+        open(Path::new(name)).is_ok()
     }
 
     /// Registers a file under a name, by which it is then opened like one on a disk.

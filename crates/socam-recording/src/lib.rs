@@ -1,6 +1,6 @@
 //! Recordings of a drivetrain bench: one [`Dataset`] type over every format, streamed, with units, times and gaps.
 //!
-//! * [`Dataset::open`] reads `.mcap`, `.csv` and the legacy `.m`, or a part of one (`RUN@FROM..TO`).
+//! * [`Dataset::open`] reads `.mcap`, `.csv` and the legacy `.m`, a part of one (`RUN@FROM..TO`), or several that follow one another.
 //! * [`Recorder`] writes an MCAP log that survives a crash, and never makes the sampling thread wait.
 //! * [`check`](fn@check::check) says whether a recording is fit for identification.
 //! * [`Steady::open`] reads a table of steady states.
@@ -32,6 +32,7 @@ mod cell;
 mod channel;
 pub mod check;
 mod checksum;
+mod clock_time;
 mod convert;
 mod csv_lines;
 mod csv_read;
@@ -47,6 +48,7 @@ mod output_file;
 mod part;
 mod profile_file;
 mod rows;
+mod run_names;
 mod segments;
 mod selection;
 mod settings;
@@ -60,6 +62,7 @@ pub use calibration_edit::{MeasuredMotor, MeasuredSensor, edit_calibration};
 pub use calibration_file::{CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains};
 pub use channel::Channel;
 pub use checksum::{sha256, sha256_of_file};
+pub use clock_time::Epoch;
 pub use convert::{export_csv, import_mcap, write_csv};
 pub use dataset::{Block, Blocks, Carry, Column, Dataset, Loaded, Shared, Steps};
 pub use error::{RecordingError, Result};
@@ -82,6 +85,7 @@ pub use log::sample::{Event, SampleRow, Status};
 pub use log::writer::RecordingHeader;
 pub use output_file::OutputFile;
 pub use profile_file::{ProfileFile, Waveform};
+pub use run_names::expand;
 pub use segments::{GAP_STEPS, Segment};
 pub use selection::{Selection, Span};
 pub use settings::{Fields, SettingsError, read as read_settings};

@@ -1,11 +1,15 @@
-//! A recording, or a part of it: `RUN` or `RUN@FROM..TO`. The only place that reads this notation.
+//! A recording, or a part of it: `RUN` or `RUN@FROM..TO`, where RUN is a file, or files that follow one another, joined by `+`. The only
+//! place that reads this notation.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::checksum::is_same_content;
+use crate::clock_time::{ClockSpan, End, Epoch};
+use crate::files::exists;
+use crate::run_names::{files, is_pattern, joined, only, split};
 use crate::{RecordingError, Result};
 
-/// A file and a span of its time.
+/// A file, or several that are joined, and a span of time.
 ///
 /// ```
 /// use socam_recording::{Selection, Span};
@@ -15,15 +19,22 @@ use crate::{RecordingError, Result};
 /// assert!(part.span.contains(2.0) && !part.span.contains(7.5));
 /// assert_eq!(part.name(), "run.csv@2..7.5");
 /// assert_eq!(Selection::parse("run.csv")?, Selection::whole("run.csv"));
+/// assert_eq!(Selection::parse("run.csv@14:03:20..14:05")?.name(), "run.csv@14:03:20..14:05");
 /// assert!(Selection::parse("run.csv@7..2").is_err());
 /// # Ok::<(), socam_recording::RecordingError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
-    /// The file.
+    /// The file, or the first of several.
     pub path: PathBuf,
-    /// The span of time.
+    /// The files that follow it and are joined to it.
+    pub more: Vec<PathBuf>,
+    /// The span of time; all, where it is named by clock times.
     pub span: Span,
+    /// The span by clock times, which become times of the recording once it is open.
+    clock: Option<ClockSpan>,
+    /// Files that are joined, as they were written.
+    joined: Option<String>,
 }
 
 /// A half-open span of a recording's own time, `from_s <= t_s < to_s`, in seconds.
@@ -56,38 +67,107 @@ impl Selection {
     /// All of one file.
     #[must_use]
     pub fn whole(path: impl Into<PathBuf>) -> Self {
-        Self { path: path.into(), span: Span::ALL }
+        Self { path: path.into(), more: Vec::new(), span: Span::ALL, clock: None, joined: None }
     }
 
-    /// Reads `RUN` or `RUN@FROM..TO`; either end may be left open (`RUN@2..`). An `@` that is not followed by a span
-    /// belongs to the file's name, and an existing file with the whole text as its name is taken as such.
+    /// Reads `RUN` or `RUN@FROM..TO`. FROM and TO are seconds of the recording's own time (`RUN@2..7.5`) or clock times
+    /// (`RUN@14:03:20..14:05`, `RUN@2026-05-01T14:03:20..`); either may be left open. RUN is a file, a wildcard that matches one, or files that
+    /// follow one another (`A.csv+B.csv`, `"log_*.csv+"`). An `@` that is not followed by a span belongs to the file's name, and an
+    /// existing file with the whole text as its name is taken as such.
     ///
     /// # Errors
-    /// When the span is backwards, empty, or not made of numbers.
+    /// When the span is backwards, empty, or made of neither numbers nor clock times, or a wildcard does not match.
     pub fn parse(text: &str) -> Result<Self> {
-        let Some((path, span)) = text.rsplit_once('@') else {
-            return Ok(Self::whole(text));
-        };
-        let Some((from, to)) = span.split_once("..") else {
-            return Ok(Self::whole(text));
-        };
-        if Path::new(text).exists() {
-            return Ok(Self::whole(text));
-        }
+        let (files, Some(ends)) = split(text) else { return Self::of_files(text) };
         let bad = |problem| RecordingError::Selection { text: text.into(), problem };
-        if path.is_empty() {
+        if files.is_empty() {
             return Err(bad("there is no file before the `@`"));
         }
-        let from_s = end(from, f64::NEG_INFINITY).ok_or_else(|| bad("FROM is not a number"))?;
-        let to_s = end(to, f64::INFINITY).ok_or_else(|| bad("TO is not a number"))?;
-        if from_s >= to_s {
+        let (from, to) = ends.split_once("..").unwrap_or((ends, ""));
+        let from = End::parse(from).ok_or_else(|| bad("FROM is neither a number nor a clock time"))?;
+        let to = End::parse(to).ok_or_else(|| bad("TO is neither a number nor a clock time"))?;
+        let seconds = |end, open| if let End::Seconds(seconds) = end { seconds } else { open };
+        let clock = ClockSpan::of(from, to, ends);
+        let span = match &clock {
+            Some(_) => Span::ALL,
+            None => Span { from_s: seconds(from, f64::NEG_INFINITY), to_s: seconds(to, f64::INFINITY) },
+        };
+        if span.from_s >= span.to_s || clock.as_ref().is_some_and(|clock| !clock.is_forwards()) {
             return Err(bad("FROM must be before TO"));
         }
-        Ok(Self { path: path.into(), span: Span { from_s, to_s } })
+        Ok(Self { span, clock, ..Self::of_files(files)? })
     }
 
-    /// Whether two selections hold samples in common: their spans overlap, and their files have the same content, by length and SHA-256. No
-    /// sample is decoded.
+    /// All of what a text without a span names.
+    fn of_files(text: &str) -> Result<Self> {
+        let Some(names) = joined(text) else {
+            return Ok(Self::whole(if is_pattern(text) && !exists(text) {
+                only(text)?
+            } else {
+                text.into()
+            }));
+        };
+        let mut all: Vec<PathBuf> = Vec::new();
+        for name in names {
+            let own = if is_pattern(name) && !exists(name) { files(name)? } else { vec![name.into()] };
+            if let Some(twice) = own.iter().find(|own| all.contains(own)) {
+                let problem = format!("names `{}` twice", twice.display());
+                return Err(RecordingError::Pattern { text: text.into(), problem });
+            }
+            all.extend(own);
+        }
+        let more = all.split_off(1);
+        let path = all.swap_remove(0);
+        Ok(Self { more, joined: Some(text.into()), ..Self::whole(path) })
+    }
+
+    /// All its files, in their order.
+    pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        std::iter::once(&self.path).chain(&self.more)
+    }
+
+    /// Whether it is all of one file.
+    #[must_use]
+    pub fn is_whole_file(&self) -> bool {
+        self.span == Span::ALL && self.is_plain()
+    }
+
+    /// Whether it is one file, of which a part is named by seconds, if at all.
+    #[must_use]
+    pub(crate) fn is_plain(&self) -> bool {
+        self.more.is_empty() && self.clock.is_none()
+    }
+
+    /// Its span in the time of a recording that runs from `start_s` to `end_s`.
+    ///
+    /// # Errors
+    /// Where it is named by clock times that the recording does not have.
+    pub(crate) fn span_within(&self, epoch: Option<Epoch>, (start_s, end_s): (f64, f64)) -> Result<Span> {
+        let Some(clock) = &self.clock else { return Ok(self.span) };
+        let found = clock.within(epoch, start_s, end_s);
+        let [from_s, to_s] = found.map_err(|problem| RecordingError::Table { name: self.name(), problem })?;
+        Ok(Span { from_s, to_s })
+    }
+
+    /// Whether two parts of the same files have a time in common; `None` where only an opened recording could tell.
+    #[must_use]
+    pub fn overlaps(&self, other: &Self) -> Option<bool> {
+        let has_part = |one: &Self| one.span != Span::ALL || one.clock.is_some();
+        if !has_part(self) || !has_part(other) {
+            return Some(true);
+        }
+        if self.more.len() + other.more.len() > 0 && !self.files().eq(other.files()) {
+            return None;
+        }
+        match (&self.clock, &other.clock) {
+            (None, None) => Some(self.span.overlaps(&other.span)),
+            (Some(own), Some(theirs)) => own.overlaps(theirs),
+            _ => None,
+        }
+    }
+
+    /// Whether two selections hold samples in common: their spans may overlap, and files of theirs have the same content, by length and SHA-256.
+    /// No sample is decoded.
     ///
     /// # Errors
     /// When a file cannot be read.
@@ -105,31 +185,34 @@ impl Selection {
     /// # Ok::<(), socam_recording::RecordingError>(())
     /// ```
     pub fn shares_samples_with(&self, other: &Self) -> Result<bool> {
-        if !self.span.overlaps(&other.span) {
+        if self.overlaps(other) == Some(false) {
             return Ok(false);
         }
-        Ok(self.path == other.path || is_same_content(&self.path, &other.path)?)
+        for own in self.files() {
+            for theirs in other.files() {
+                if own == theirs || is_same_content(own, theirs)? {
+                    return Ok(true);
+                }
+            }
+        }
+        Ok(false)
     }
 
     /// The recording's name in results: the text of the selection.
     #[must_use]
     pub fn name(&self) -> String {
-        let path = self.path.display();
+        let path = self.joined.clone().unwrap_or_else(|| self.path.display().to_string());
+        if let Some(clock) = &self.clock {
+            return format!("{path}@{}", clock.text);
+        }
         if self.span == Span::ALL {
-            return path.to_string();
+            return path;
         }
         let end = |s: f64| {
             if s.is_finite() { s.to_string() } else { String::new() }
         };
         format!("{path}@{}..{}", end(self.span.from_s), end(self.span.to_s))
     }
-}
-
-fn end(text: &str, open: f64) -> Option<f64> {
-    if text.trim().is_empty() {
-        return Some(open);
-    }
-    text.trim().parse().ok().filter(|s: &f64| s.is_finite())
 }
 
 impl std::str::FromStr for Selection {
@@ -142,6 +225,8 @@ impl std::str::FromStr for Selection {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     #[test]

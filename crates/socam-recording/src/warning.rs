@@ -87,6 +87,14 @@ pub enum Warning {
         /// Description of what is missing.
         what: String,
     },
+    /// A warning about one of several files that are joined.
+    #[error("`{file}`: {warning}")]
+    InFile {
+        /// The file.
+        file: String,
+        /// The warning.
+        warning: Box<Self>,
+    },
     /// Any other note of a reader.
     #[error("{0}")]
     Note(String),
@@ -123,6 +131,7 @@ impl Warning {
                 Some(format!("of {written} samples that were written {read} can be read"))
             }
             Self::Incomplete { what } => Some(what.clone()),
+            Self::InFile { file, warning } => warning.damage().map(|damage| format!("`{file}`: {damage}")),
             _ => None,
         }
     }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use socam_recording::{Dataset, Selection, Span};
+use socam_recording::{Dataset, Selection};
 use socam_samples::{Samples, index};
 
 use crate::about::about;
@@ -66,8 +66,9 @@ impl Recording {
     /// # Errors
     /// When it is no recording, cannot be read, or opening was cancelled; one sentence.
     pub fn open_indexed(run: &str, read: Read, handle: &Handle) -> Result<Self, String> {
-        let Selection { path, span, .. } = Selection::parse(run).map_err(sentence)?;
-        let index_path = if span == Span::ALL { index::path_of(&path) } else { None };
+        let selection = Selection::parse(run).map_err(sentence)?;
+        let index_path = if selection.is_whole_file() { index::path_of(&selection.path) } else { None };
+        let path = selection.path;
         let known = index_path.as_deref().and_then(|path| index::open::<About>(path).ok());
         if let Some((about, samples)) = known {
             let about = About { name: run.into(), ..about };

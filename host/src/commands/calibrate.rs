@@ -68,7 +68,8 @@ struct Document<'a> {
     warnings: &'a [String],
 }
 
-pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
+    args.files = output::expanded(&args.files)?;
     let assumed = assumed(&args)?;
     let model = socam_job::load_model(&args.model)?;
     // An existing plot is always replaced; calibrations and models may have been edited by hand.

@@ -20,7 +20,7 @@ use crate::{output, table};
   socam-host compare run.csv@2..8 sim.parquet --map w_out=output_speed --report difference
   socam-host compare run.mcap sim.csv --model bench.toml")]
 pub(crate) struct Args {
-    /// Recording, or a part of it: RUN@FROM..TO in seconds
+    /// Recording, or a part of it: RUN@FROM..TO in seconds or clock times
     #[arg(value_name = "RUN")]
     run: String,
     /// Output of a simulator

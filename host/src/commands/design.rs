@@ -40,7 +40,8 @@ pub(crate) struct Args {
     json: bool,
 }
 
-pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
+    args.runs = output::expanded(&args.runs)?;
     let target = args.output.as_deref().map(output::create).transpose()?;
     let (model, rival) = args.task.load()?;
     let recorded = args.runs.iter().map(|run| output::open(run)).collect::<anyhow::Result<Vec<_>>>()?;

@@ -60,7 +60,9 @@ pub(super) fn of_one(recording: &str, model: &str) -> anyhow::Result<Outcome> {
     run(alone.args)
 }
 
-pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
+    args.runs = output::expanded(&args.runs)?;
+    args.holdout = output::expanded(&args.holdout)?;
     args.task.validate()?;
     let model = args.task.model.load()?;
     let tables = args.task.are_tables(&args.runs, &args.holdout)?;

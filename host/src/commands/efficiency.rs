@@ -68,7 +68,9 @@ struct Difference {
     difference: Estimate,
 }
 
-pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
+    args.runs = output::expanded(&args.runs)?;
+    args.against = output::expanded(&args.against)?;
     let target = args.map.as_deref().map(output::create).transpose()?;
     let model = socam_job::load_model(&args.model)?;
     let [runs, against] = [open_all(&args.runs)?, open_all(&args.against)?];

@@ -53,9 +53,10 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         let problem = format!("`{path}`: export writes .csv, not .{extension} (`import` writes .mcap)");
         return Err(WrongArguments(problem).into());
     }
-    output::single_output(&args.runs, args.output.as_deref())?;
+    let runs = output::expanded(&args.runs)?;
+    output::single_output(&runs, args.output.as_deref())?;
     let mut outcome = Outcome::Done;
-    for run in &args.runs {
+    for run in &runs {
         if export(run, args.output.as_deref(), args.force)? == Outcome::LostSamples {
             outcome = Outcome::LostSamples;
         }
@@ -80,7 +81,7 @@ fn export(run: &str, output: Option<&Path>, replace: bool) -> anyhow::Result<Out
         write_csv(&data, &mut io::stdout().lock(), Path::new("stdout"))?;
         return Ok(outcome);
     }
-    output::check_target(&target, &selection.path, replace)?;
+    output::check_target_of(&target, &selection, replace)?;
     export_csv(&data, &target)?;
     output::say(format_args!(
         "{} rows of {} channels written to {}",

@@ -61,7 +61,9 @@ pub(crate) struct Args {
     report: Option<PathBuf>,
 }
 
-pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
+    args.runs = output::expanded(&args.runs)?;
+    args.validate = output::expanded(&args.validate)?;
     let model = args.task.model.load()?;
     let paths = inputs::paths(&args.runs)?;
     let model = args.task.calibrated(model, paths.iter().map(PathBuf::as_path))?;

@@ -30,10 +30,13 @@ use crate::output::{self, WrongArguments};
   socam-host import log.csv --accept-guesses                        the likeliest units, printed
   socam-host import log.csv --map log.toml -o run.mcap
   socam-host import monday.csv tuesday.csv --map log.toml           the same mapping for several
+  socam-host import \"runs/*.tdms\"                                  each one; 2 before 10
+  socam-host import \"log_*.csv+\" -o run.mcap                       a run that its logger split, as one
+  socam-host import run.csv@14:03:20..14:05 -o part.mcap            by the clock that wrote it
   socam-host import run.csv@2..10 -o part.mcap --note \"new coupling\"
   socam-host import old.m --calibration bench.toml")]
 pub(crate) struct Args {
-    /// Recordings, or parts of them: RUN@FROM..TO in seconds
+    /// Recordings, or parts of them: RUN@FROM..TO in seconds or clock times; wildcards in quotes; A+B joins files of one run
     #[arg(value_name = "RUN", required = true)]
     runs: Vec<String>,
     /// File to write, for a single RUN [default: beside RUN, with the extension .mcap; a mapping goes to stdout]
@@ -62,7 +65,8 @@ pub(crate) struct Args {
     note: Option<String>,
 }
 
-pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
+    args.runs = output::expanded(&args.runs)?;
     output::single_output(&args.runs, args.output.as_deref())?;
     if args.propose {
         return propose(&args);
@@ -96,13 +100,14 @@ fn propose(args: &Args) -> anyhow::Result<Outcome> {
         let problem = format!("--propose takes one recording, not {}", args.runs.len());
         return Err(WrongArguments(problem).into());
     };
-    let path = Selection::parse(run)?.path;
-    let proposal = socam_import::propose(&path, args.dbc.as_deref())?;
+    // Files that are joined have the same signals.
+    let selection = Selection::parse(run)?;
+    let proposal = socam_import::propose(&selection.path, args.dbc.as_deref())?;
     output::say(understood::proposed(&proposal));
     match &args.output {
         None => output::print(&proposal.text)?,
         Some(target) => {
-            output::check_target(target, &path, args.force)?;
+            output::check_target_of(target, &selection, args.force)?;
             let mut file = output::create_new(target, args.force)?;
             file.write_all(proposal.text.as_bytes())
                 .with_context(|| format!("cannot write `{}`", target.display()))?;
@@ -131,7 +136,6 @@ fn read_calibration(path: &Path) -> anyhow::Result<(Calibration, [Attachment; 1]
 /// A recording to write, with its metadata and attachments.
 struct Log {
     data: Dataset,
-    start_unix_ns: u64,
     metadata: BTreeMap<String, String>,
     attachments: Vec<Attachment>,
 }
@@ -140,7 +144,7 @@ impl Log {
     /// A recording of one of this program's formats.
     fn own(data: Dataset, selection: &Selection) -> anyhow::Result<Self> {
         let metadata = settings(&data, selection)?;
-        Ok(Self { data, start_unix_ns: modified_unix_ns(selection), metadata, attachments: Vec::new() })
+        Ok(Self { data, metadata, attachments: Vec::new() })
     }
 
     /// A recording whose file states units and times of all signals.
@@ -175,21 +179,17 @@ impl Log {
 
     fn imported(imported: Imported, selection: &Selection) -> Self {
         output::say(understood::imported(&imported));
-        let start_unix_ns = match imported.start_unix_ns {
-            0 => modified_unix_ns(selection),
-            start => start,
-        };
         let metadata = [("source".to_owned(), selection.name())].into();
-        Self { data: imported.data, start_unix_ns, metadata, attachments: Vec::new() }
+        Self { data: imported.data, metadata, attachments: Vec::new() }
     }
 
     fn write(&self, selection: &Selection, args: &Args) -> anyhow::Result<()> {
         let target = args.output.clone().unwrap_or_else(|| selection.path.with_extension("mcap"));
-        output::check_target(&target, &selection.path, args.force)?;
+        output::check_target_of(&target, selection, args.force)?;
         let mut metadata = self.metadata.clone();
         metadata.insert("host".into(), env!("CARGO_PKG_VERSION").into());
         metadata.extend(args.note.clone().map(|note| ("note".to_owned(), note)));
-        import_mcap(&self.data, self.start_unix_ns, metadata, self.attachments.clone(), &target)?;
+        import_mcap(&self.data, modified_unix_ns(selection), metadata, self.attachments.clone(), &target)?;
         output::say(format_args!(
             "{} samples of {} channels written to {}",
             self.data.rows(),

@@ -28,7 +28,8 @@ pub(crate) struct Args {
     json: bool,
 }
 
-pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
+    args.runs = output::expanded(&args.runs)?;
     let infos =
         args.runs.iter().map(|run| info(run, args.dbc.as_deref())).collect::<anyhow::Result<Vec<_>>>()?;
     if args.json {

@@ -17,7 +17,7 @@ use crate::output::{self, WrongArguments};
 #[derive(Debug, clap::Args)]
 #[command(after_help = after_help())]
 pub(crate) struct Args {
-    /// A recording of the machine in any format that `import` reads, or a part of it: RUN@FROM..TO in seconds
+    /// A recording of the machine in any format that `import` reads, or a part of it: RUN@FROM..TO in seconds or clock times
     #[arg(value_name = "RUN")]
     run: Option<String>,
     /// Model file to write; `-` for stdout

@@ -31,7 +31,7 @@ pub(crate) struct Args {
     /// Recording to write (.mcap or .csv)
     #[arg(short, long, value_name = "RUN", required_unless_present = "input")]
     output: Option<PathBuf>,
-    /// Recording whose inputs drive the model, or a part of it: RUN@FROM..TO in seconds
+    /// Recording whose inputs drive the model, or a part of it: RUN@FROM..TO in seconds or clock times
     #[arg(long, value_name = "RUN")]
     input: Option<String>,
     #[command(flatten)]
@@ -44,7 +44,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let kind = args.output.as_deref().map(OutputFormat::of).transpose()?;
     if let (Some(input), Some(path)) = (&args.input, &args.output) {
-        output::check_target(path, &Selection::parse(input)?.path, true)?;
+        output::check_target_of(path, &Selection::parse(input)?, true)?;
     }
     match (&args.input, &args.output, kind) {
         (Some(input), _, kind) => compare(&args, input, kind),

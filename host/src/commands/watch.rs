@@ -34,7 +34,8 @@ pub(crate) struct Args {
     json: bool,
 }
 
-pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
+    args.runs = output::expanded(&args.runs)?;
     let model = args.model.load()?;
     let baseline = args.watch.baseline(&model)?;
     let rules = args.rules.read()?;

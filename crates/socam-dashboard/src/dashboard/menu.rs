@@ -76,7 +76,8 @@ impl Dashboard {
         let mut wanted = None;
         for run in &self.layout.recent {
             let is_there = Path::new(run).exists()
-                || socam_recording::Selection::parse(run).is_ok_and(|selection| selection.path.exists());
+                || socam_recording::Selection::parse(run)
+                    .is_ok_and(|selection| selection.files().all(|path| path.exists()));
             let button = ui.add_enabled(is_there, Button::new(socam_workbench::recording::short(run)));
             let button =
                 button.on_hover_text(run).on_disabled_hover_text(format!("{run} is not there any more"));

@@ -5,6 +5,9 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
+use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
 use socam_recording::Warning;
 
@@ -37,28 +40,32 @@ pub(crate) fn is_json(head: &str) -> bool {
 /// Reads all tables of a file: a group for each.
 pub(crate) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
     let file = File::open(path).map_err(|error| ImportError::io(path, error))?;
-    let mut values = serde_json::Deserializer::from_reader(BufReader::new(file)).into_iter::<Value>();
+    let mut values = serde_json::Deserializer::from_reader(BufReader::new(file));
     let damaged = |error: serde_json::Error| {
         let problem = format!("is no JSON from here on ({error}); copy it again from its source");
         ImportError::line(path, error.line(), problem)
     };
-    let Some(first) = values.next().transpose().map_err(damaged)? else {
-        return Err(ImportError::file(path, "holds no JSON value"));
-    };
+    let first = First { most_rows: wanted.most_rows }.deserialize(&mut values).map_err(damaged)?;
+    let mut values = values.into_iter::<Value>();
     let mut source = Source::default();
-    match values.next().transpose().map_err(damaged)? {
+    match (first, values.next().transpose().map_err(damaged)?) {
         // Records, one below the other.
-        Some(second) => {
+        (first, Some(second)) => {
             let mut records = Records::default();
-            for value in [Ok(first), Ok(second)].into_iter().chain(values) {
-                let value = value.map_err(damaged)?;
-                if records.rows < wanted.most_rows {
-                    records.push(&value);
+            match &first {
+                Read::Value(first) => records.push(first),
+                Read::Records(_) => records.rows = 1,
+            }
+            for value in std::iter::once(Ok(second)).chain(values) {
+                if records.rows >= wanted.most_rows {
+                    break;
                 }
+                records.push(&value.map_err(damaged)?);
             }
             records.finish("", &mut source);
         }
-        None => match sys_id(&first) {
+        (Read::Records(records), None) => records.finish("", &mut source),
+        (Read::Value(first), None) => match sys_id(&first) {
             Some(found) => source = found.map_err(|problem| ImportError::file(path, problem))?,
             None => tables("", &first, wanted.most_rows, &mut source),
         },
@@ -70,6 +77,66 @@ pub(crate) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
     let mut source = source.tidy();
     source.keep(wanted);
     Ok(source)
+}
+
+/// The first value of a file.
+enum Read {
+    Value(Value),
+    /// A list of records, none of which is kept as it was written: values of JSON take many times the memory of their numbers.
+    Records(Records),
+}
+
+/// Reads the first value, and records in a list one by one.
+struct First {
+    most_rows: usize,
+}
+
+impl<'de> DeserializeSeed<'de> for First {
+    type Value = Read;
+
+    fn deserialize<D: Deserializer<'de>>(self, file: D) -> Result<Read, D::Error> {
+        file.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for First {
+    type Value = Read;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("a list or an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, members: A) -> Result<Read, A::Error> {
+        Value::deserialize(MapAccessDeserializer::new(members)).map(Read::Value)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Read, A::Error> {
+        let mut before: Vec<Value> = Vec::new();
+        while let Some(item) = items.next_element::<Value>()? {
+            let is_record = item.is_object();
+            before.push(item);
+            if is_record {
+                return self.records(before, items).map(Read::Records);
+            }
+        }
+        Ok(Read::Value(Value::Array(before)))
+    }
+}
+
+impl First {
+    /// Records of a list: the first ones, and those that are still to be read.
+    fn records<'de, A: SeqAccess<'de>>(self, first: Vec<Value>, mut items: A) -> Result<Records, A::Error> {
+        let mut records = Records::default();
+        first.iter().take(self.most_rows).for_each(|record| records.push(record));
+        while records.rows < self.most_rows {
+            match items.next_element::<Value>()? {
+                Some(record) => records.push(&record),
+                None => return Ok(records),
+            }
+        }
+        while items.next_element::<IgnoredAny>()?.is_some() {}
+        Ok(records)
+    }
 }
 
 /// Finds the tables in a value.
@@ -335,4 +402,47 @@ fn sys_id(value: &Value) -> Option<Result<Source, String>> {
     let signals = std::iter::once(clock).chain(others).collect();
     let group = Group { signals, time: Some(0), ..Group::default() };
     Some(Ok(Source { groups: vec![group], notes, ..Source::default() }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read_text(text: &str, most_rows: usize) -> Result<Source> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.json");
+        std::fs::write(&path, text).unwrap();
+        read(&path, &Wanted { signals: None, most_rows })
+    }
+
+    fn values(source: &Source) -> Vec<(&str, &[f64])> {
+        let signals = source.groups.iter().flat_map(|group| &group.signals);
+        signals.map(|signal| (signal.name.as_str(), signal.values.as_slice())).collect()
+    }
+
+    #[test]
+    fn records_are_the_same_in_a_list_and_one_below_the_other() {
+        let records = [
+            r#"{"t": 0, "motor": {"speed": 1}}"#,
+            r#"{"t": 1, "motor": {"speed": 2}}"#,
+            r#"{"t": 2, "motor": {"speed": 3}}"#,
+        ];
+        let expected: [(&str, &[f64]); 2] = [("t", &[0.0, 1.0, 2.0]), ("motor.speed", &[1.0, 2.0, 3.0])];
+        for text in [format!("[{}]", records.join(",")), records.join("\n")] {
+            assert_eq!(values(&read_text(&text, usize::MAX).unwrap()), expected);
+            assert_eq!(values(&read_text(&text, 2).unwrap())[0].1, [0.0, 1.0]);
+        }
+    }
+
+    #[test]
+    fn other_lists_are_read_as_before_and_damage_in_a_list_is_said() {
+        let matrix = read_text("[[0, 5], [1, 6], [2, 7]]", usize::MAX).unwrap();
+        assert_eq!(values(&matrix), [("column 1", &[0.0, 1.0, 2.0][..]), ("column 2", &[5.0, 6.0, 7.0][..])]);
+        // A row that is no record has no value.
+        let mixed = read_text(r#"[null, {"t": 1}, {"t": 2}]"#, usize::MAX).unwrap();
+        assert!(values(&mixed)[0].1[0].is_nan() && values(&mixed)[0].1[1..] == [1.0, 2.0]);
+        let cut = read_text("[{\"t\": 0},\n {\"t\": 1", usize::MAX).unwrap_err().to_string();
+        assert!(cut.contains("line 2") && cut.contains("is no JSON from here on"), "{cut}");
+        assert!(read_text("[{\"t\": 0}, {\"t\" 1}]", 1).is_err());
+    }
 }

@@ -23,7 +23,9 @@ pub(super) fn read(path: &Path, wanted: &Wanted) -> Result<Source> {
         None => file,
         Some(bytes) => reopened(&bytes).map_err(|error| ImportError::io(path, error))?.map_err(damaged)?,
     };
-    let mut source = Source::default();
+    // Times of the groups are seconds since the file's start.
+    let start_unix_ns = i64::try_from(file.raw().header.start_time_ns).ok().filter(|ns| *ns > 0);
+    let mut source = Source { start_unix_ns, ..Source::default() };
     if file.raw().is_unfinalized {
         let what = "the program that wrote it did not finish it, so that samples at its end may be missing";
         source.notes.push(Warning::Incomplete { what: what.into() });

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::source::Source;
 use crate::Channel;
+use crate::clock_time::Epoch;
 use crate::format::Format;
 use crate::log::contents::LogContents;
 use crate::segments::Segment;
@@ -54,6 +55,7 @@ pub struct Dataset {
     pub(super) uneven: bool,
     pub(super) lost_samples: u64,
     pub(super) cut: Option<Cut>,
+    pub(super) epoch: Option<Epoch>,
     pub(super) contents: Option<Arc<LogContents>>,
     pub(super) warnings: Vec<Warning>,
     pub(super) source: Source,
@@ -138,6 +140,19 @@ impl Dataset {
     #[must_use]
     pub fn cut(&self) -> Option<&Cut> {
         self.cut.as_ref()
+    }
+
+    /// What the clock that stamped the recording showed at its time 0; `None` where nothing states it.
+    #[must_use]
+    pub fn epoch(&self) -> Option<Epoch> {
+        self.epoch
+    }
+
+    /// States what the clock showed at time 0.
+    #[must_use]
+    pub fn with_epoch(mut self, epoch: Option<Epoch>) -> Self {
+        self.epoch = epoch.or(self.epoch);
+        self
     }
 
     /// Contents of an MCAP log apart from samples; `None` for other formats.

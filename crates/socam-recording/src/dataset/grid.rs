@@ -54,6 +54,10 @@ impl Resampled {
         }
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.tally.rows == 0 && self.table.rows() == 0
+    }
+
     pub(super) fn flush(&mut self) {
         self.tally.append(&self.table);
         self.kept.append(&self.table, self.expected_rows);

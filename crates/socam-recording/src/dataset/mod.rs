@@ -5,6 +5,7 @@ mod blocks;
 mod data;
 mod even;
 mod grid;
+mod join;
 mod keep;
 mod open;
 mod read;

@@ -7,6 +7,7 @@ use super::keep::{Keeping, Memory};
 use super::source::Source;
 use super::tally::Tally;
 use crate::calibration_file::Calibration;
+use crate::clock_time::Epoch;
 use crate::error::{RecordingError, Result};
 use crate::format::{self, Format};
 use crate::selection::{Selection, Span};
@@ -15,7 +16,7 @@ use crate::table::Table;
 use crate::{Channel, legacy};
 
 impl Dataset {
-    /// Opens `RUN` or `RUN@FROM..TO` of any format (detected by its content, not its extension).
+    /// Opens `RUN` or `RUN@FROM..TO`, see [`Selection::parse`], of any format (detected by its content, not its extension).
     ///
     /// ```
     /// use socam_recording::Dataset;
@@ -48,7 +49,7 @@ impl Dataset {
     /// # Errors
     /// The errors of [`Dataset::open`].
     pub fn open_selection(selection: &Selection) -> Result<Self> {
-        Self::open_wired(selection, &legacy::Wiring::default())
+        Self::open_by(selection, |part| Self::open_wired(part, &legacy::Wiring::default()))
     }
 
     /// Opens the selected part of a legacy log and converts its volts to SI by a calibration, whose first channel is input 0.
@@ -67,6 +68,10 @@ impl Dataset {
     /// As [`Dataset::open`]; also when it is no legacy log (only those are in volts), or the calibration has more channels
     /// than the log has inputs.
     pub fn open_calibrated(selection: &Selection, calibration: &Calibration) -> Result<Self> {
+        Self::open_by(selection, |part| Self::open_volts(part, calibration))
+    }
+
+    fn open_volts(selection: &Selection, calibration: &Calibration) -> Result<Self> {
         let path = &selection.path;
         if format::detect(path)? != Format::LegacyM {
             return Err(RecordingError::NothingToCalibrate { path: path.clone() });
@@ -174,6 +179,7 @@ impl Dataset {
                 is_whole: selection.span == Span::ALL,
             });
         }
+        let epoch = Epoch::of_times(segments[0].start_s);
         Ok(Self {
             name,
             format: Format::Memory,
@@ -186,6 +192,7 @@ impl Dataset {
             uneven: false,
             lost_samples: 0,
             cut: None,
+            epoch,
             contents: None,
             warnings: Vec::new(),
             source: Source::Memory(Arc::new(Memory::existing(table))),

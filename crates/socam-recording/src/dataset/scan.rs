@@ -7,8 +7,10 @@ use super::keep::{Keeping, Kept};
 use super::source::{FileSource, Mark, Source, SpillSource};
 use super::tally::Tally;
 use crate::Channel;
+use crate::clock_time::Epoch;
 use crate::error::{RecordingError, Result};
 use crate::format::Format;
+use crate::log::contents::LogContents;
 use crate::part::{EndOfRows, Part};
 use crate::rows::{Layout, Scan};
 use crate::selection::{Selection, Span};
@@ -81,6 +83,9 @@ impl Dataset {
                 skipped: first.skipped,
             })),
         };
+        let start_s = segments.first().map_or(0.0, |segment| segment.start_s);
+        let stated = end.contents.as_ref().and_then(LogContents::epoch);
+        let epoch = Epoch::of_times(start_s).or(stated);
         Ok(Self {
             name: selection.name(),
             format,
@@ -93,6 +98,7 @@ impl Dataset {
             uneven: false,
             lost_samples: end.lost_samples,
             cut: end.cut,
+            epoch,
             contents: end.contents.map(Arc::new),
             warnings: end.warnings,
             source,

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::names::{TIME_ZERO, TIME_ZERO_MIDNIGHT};
 use super::sample::{Event, Status};
+use crate::clock_time::Epoch;
 
 /// Contents of a log apart from samples.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
@@ -24,6 +26,16 @@ pub struct LogContents {
 }
 
 impl LogContents {
+    /// What the clock showed at time 0, where the log knows it.
+    pub(crate) fn epoch(&self) -> Option<Epoch> {
+        match self.metadata.get(TIME_ZERO) {
+            Some(text) => (text == TIME_ZERO_MIDNIGHT).then_some(Epoch::Midnight),
+            None => {
+                self.start_unix_ns.filter(|ns| *ns > 0).and_then(|ns| i64::try_from(ns).ok()).map(Epoch::Date)
+            }
+        }
+    }
+
     /// Description of what is missing from a cut recording whose last sample is at `last_s`.
     pub(crate) fn missing_after(&self, last_s: Option<f64>) -> String {
         let last_s = last_s.unwrap_or(0.0);

@@ -18,6 +18,15 @@ pub const METADATA_NAME: &str = "socam";
 /// Key in that record of the machine's serial number, which `record --machine` writes.
 pub const MACHINE_KEY: &str = "machine";
 
+/// Key in that record of what the clock showed at time 0, where that is not `start_unix_ns`: one of the two texts below.
+pub(crate) const TIME_ZERO: &str = "time_zero";
+
+/// The times are times of day.
+pub(crate) const TIME_ZERO_MIDNIGHT: &str = "midnight of a day that is not known";
+
+/// Nothing states when the recording began.
+pub(crate) const TIME_ZERO_UNKNOWN: &str = "not known; the start is when the file was last written";
+
 /// Name of the metadata record written when a recording is finished in order.
 pub const SUMMARY_NAME: &str = "socam.summary";
 

@@ -34,7 +34,7 @@ use crate::output::{self, WrongArguments};
   socam-host dashboard report --screenshot bench.png    a diagnosis as a picture
   socam-host dashboard fleet.parquet                    the machines of a fleet")]
 pub(crate) struct Args {
-    /// Files to open: recordings or parts of them (RUN@FROM..TO, seconds), .toml, .json, the table of a fleet, or the folder of a report
+    /// Files to open: recordings or parts of them (RUN@FROM..TO in seconds or clock times), .toml, .json, the table of a fleet, or the folder of a report
     #[arg(value_name = "RUN")]
     files: Vec<String>,
     /// Draw a picture into this file (.png), without a display
@@ -175,14 +175,15 @@ fn dashboard(args: &Args, layout: Layout, calibration: Option<Calibration>) -> a
         calibration,
         args.token.read()?,
     ));
-    let held_out = args.holdout.iter().filter(|run| !args.files.contains(run));
-    dashboard.open(args.files.iter().chain(held_out).cloned());
+    let (files, held_out) = (output::expanded(&args.files)?, output::expanded(&args.holdout)?);
+    let others = held_out.iter().filter(|run| !files.contains(run));
+    dashboard.open(files.iter().chain(others).cloned());
     if let Some(model) = &args.watch {
         dashboard.use_model(socam_job::load_model(model)?);
         dashboard.watch();
     }
     if args.diagnose {
-        dashboard.diagnose(args.holdout.clone());
+        dashboard.diagnose(held_out);
     }
     if let [a, b] = args.cursors[..] {
         dashboard.views.time.cursors = Some([a, b]);

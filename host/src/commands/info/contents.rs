@@ -19,6 +19,8 @@ pub(super) struct Info {
     pub(super) rows: u64,
     pub(super) start_s: Option<f64>,
     pub(super) end_s: Option<f64>,
+    /// First and last time by the clock that stamped the rows.
+    pub(super) clock: Option<[String; 2]>,
     pub(super) duration_s: Option<f64>,
     pub(super) sample_time_s: Option<f64>,
     pub(super) rate_hz: Option<f64>,
@@ -85,6 +87,9 @@ impl Info {
             rows: data.rows(),
             start_s: Some(data.start_s()),
             end_s: Some(data.end_s()),
+            clock: data
+                .epoch()
+                .map(|epoch| [data.start_s(), data.end_s()].map(|time_s| epoch.clock_time(time_s))),
             duration_s: Some(data.end_s() - data.start_s()),
             sample_time_s,
             rate_hz: sample_time_s.map(|s| 1.0 / s),
@@ -121,6 +126,7 @@ impl Info {
             rows: steady.rows.len() as u64,
             start_s: None,
             end_s: None,
+            clock: None,
             duration_s: None,
             sample_time_s: None,
             rate_hz: None,

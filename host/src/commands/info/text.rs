@@ -30,6 +30,9 @@ impl Info {
             )?,
             _ => writeln!(out, "  {} rows", self.rows)?,
         }
+        if let Some([from, to]) = &self.clock {
+            writeln!(out, "  from {from} to {to} by the clock that stamped it")?;
+        }
         self.write_channels(out)?;
         self.write_missing(out)?;
         if let Some(log) = &self.log {
