@@ -84,6 +84,7 @@ fn both_numerics_agree_on_every_effect() {
         ("velocity_weakening", "load_bearing", &[("torque", 0.3), ("fall_speed", 2.0)]),
         ("constant_load", "load", &[("torque", 0.5)]),
         ("mesh_loss", "mesh", &[("fraction", 0.1)]),
+        ("mesh_loss", "mesh", &[("fraction", 0.1), ("back_fraction", 0.4)]),
         ("backlash", "mesh", &[("gap", 5e-3)]),
         ("kinematic_error", "mesh", &[("order", 1.0), ("amplitude", 1e-3), ("phase", 0.5)]),
         ("stiffness_hardening", "coupling_3", &[("cubic", 60.0)]),

@@ -89,7 +89,8 @@ pub(super) enum LawKind {
     AngleDrag,
     /// A seal that wears in with the angle turned: torque, angle, rounding speed. One state: the angle turned in all.
     WearingIn,
-    /// A share of the torque is lost: fraction, rounding speed, rounding torque.
+    /// Drag as a share of the contact torque: while power flows from the fast to the slow side, while it flows back, rounding speed,
+    /// rounding torque.
     Loss,
     /// Play with damped flanks (Hunt and Crossley 1975): gap, restitution time.
     Play,
@@ -178,7 +179,8 @@ pub(super) fn at_spring(law: &Law, seen: &Seen, state: &[f64], rates: &mut [f64]
     match law.kind {
         LawKind::Loss => {
             let torque = through.torque;
-            through.drag -= p[0] * torque * (torque / p[2]).tanh() * sign(seen.speed, p[1]);
+            let share = if torque * seen.speed < 0.0 { p[1] } else { p[0] };
+            through.drag -= share * torque * (torque / p[3]).tanh() * sign(seen.speed, p[2]);
         }
         LawKind::Play => through.torque = flanks(seen, 0.5 * p[0], p[1]),
         LawKind::AnglePlay => {

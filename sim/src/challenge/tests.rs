@@ -1,5 +1,6 @@
 use super::draw::Chosen;
 use super::*;
+use crate::Plant;
 
 #[test]
 fn drawing_depends_on_seed_and_number_alone() {
@@ -94,6 +95,57 @@ fn everything_that_can_be_hidden_in_a_family_runs_and_shows() {
             }
         }
     }
+}
+
+/// Outputs of a model for an input that is linear between samples.
+fn simulated(model: &Model, rate_hz: f64, input: &[f64]) -> Vec<Vec<f64>> {
+    let plant = Plant::new(model, &model.values()).unwrap();
+    let mut trajectory = plant.start().unwrap();
+    trajectory.set_input(&input[..1]);
+    let mut now = vec![0.0; model.outputs().count()];
+    let mut outputs = vec![Vec::new(); now.len()];
+    for (sample, value) in input.iter().enumerate() {
+        if sample > 0 {
+            trajectory.ramp(sample as f64 / rate_hz, &[*value]).unwrap();
+        }
+        trajectory.outputs(&mut now);
+        outputs.iter_mut().zip(&now).for_each(|(output, value)| output.push(*value));
+    }
+    outputs
+}
+
+/// The truth distinguishes the sides by the direction of the power and has a compliant contact; the catalogue blends two shares.
+#[test]
+fn a_loss_by_driving_side_is_that_of_the_catalogue() {
+    let draw = &mut Draw::new(7, 0);
+    let (_, make) = FAMILIES.into_iter().find(|(family, _)| *family == "geared").unwrap();
+    let mut machine = make(draw);
+    machine.sensors.iter_mut().for_each(|sensor| sensor.step = 0.0);
+    let (mut runs, _) = runs(&machine, draw);
+    runs[0].duration_s = 2.0;
+    let scales = Scales::of(&machine, &runs[0]).unwrap();
+    let draws = Case::draw(1, 0).unwrap();
+    let case = Case { runs, machine, background: Background::default(), ..draws };
+    let mut hidden = hidden::hide("mesh_loss", "stage_1", &case.machine, &scales, draw);
+    hidden.parameters = vec![("fraction".into(), 0.2), ("back_fraction".into(), 0.5)];
+    let plain = recorded(&case, Vec::new());
+    let truth = recorded(&case, vec![hidden.clone()]);
+    let base = Model::parse(&case.machine.model_file()).unwrap();
+    // Distance of a model's outputs from the truth's, as a share of what the loss changes.
+    let miss = |back: Option<f64>| {
+        let widths = [("transition_speed", hidden.own[0]), ("transition_torque", hidden.own[1])];
+        let shares = [Some(("fraction", 0.2)), back.map(|back| ("back_fraction", back))];
+        let values: Vec<(&str, f64)> = shares.into_iter().flatten().chain(widths).collect();
+        let model = base.with_effect("mesh_loss", "stage_1", &values).unwrap();
+        let outputs = simulated(&model, case.machine.rate_hz, &truth[0]);
+        let square = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+        let each = outputs.iter().zip(truth.iter().zip(&plain).skip(1));
+        each.map(|(own, (lossy, plain))| (square(own, lossy) / square(plain, lossy)).sqrt())
+            .fold(0.0, f64::max)
+    };
+    let [right, less, equal] = [Some(0.5), Some(0.4), None].map(miss);
+    println!("missed: {right}, {less}, {equal}");
+    assert!(right < 0.02 && less > 4.0 * right && equal > 10.0 * right, "{right}, {less}, {equal}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::{
     backlash, constant_load, coulomb_friction, coupling_slip, damping_drift, definition::Effect,
-    direction_dependence, direction_gain, external_disturbance, gravity_unbalance, hysteresis,
+    direction_dependence, direction_gain, driving_side, external_disturbance, gravity_unbalance, hysteresis,
     kinematic_error, mesh_loss, missing_compliance, missing_inertia, presliding, quadratic_drag,
     sensor_delay, sensor_fold, sensor_gain, sensor_hum, sensor_lag, sensor_offset, sensor_ripple,
     sensor_saturation, stiffness_hardening, stribeck_friction, torque_ripple, velocity_weakening,
@@ -41,8 +41,13 @@ pub const CATALOGUE: &[&Effect] = &[
 
 /// Refined laws. A refined law has the id of an effect of [`CATALOGUE`]. It is used instead of that effect where a parameter is given that
 /// only the refined law has, or at a place where only the refined law can act.
-pub const REFINED: &[&Effect] =
-    &[&presliding::COULOMB, &presliding::STRIBECK, &sensor_delay::AT_INPUT, &sensor_saturation::AT_INPUT];
+pub const REFINED: &[&Effect] = &[
+    &presliding::COULOMB,
+    &presliding::STRIBECK,
+    &driving_side::MESH_LOSS,
+    &sensor_delay::AT_INPUT,
+    &sensor_saturation::AT_INPUT,
+];
 
 /// All effects that a diagnosis tests in its first score test: [`CATALOGUE`] and those of [`REFINED`] that need no simpler law first.
 ///

@@ -58,23 +58,41 @@ pub(super) const EFFECT: Effect = Effect {
 };
 
 fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
-    let (sign, bend, by_width) = shape::sign(law_inputs[0], p[1]);
+    drag(law_inputs, [p[1], p[2]], |driven| {
+        let left = 1.0 - p[0] * driven;
+        let value = p[0] / left;
+        Share { value, by_driven: value * value, by_parameters: [1.0 / (left * left)] }
+    })
+}
+
+/// The drag of a mesh as a share of its contact torque, with its derivatives by `driven` (see [`drag`]) and by the law's own parameters.
+pub(super) struct Share<const N: usize> {
+    pub(super) value: f64,
+    pub(super) by_driven: f64,
+    pub(super) by_parameters: [f64; N],
+}
+
+/// The drag of a mesh at a speed and a contact torque. `share` is called with 0 while the fast side drives and 1 while the slow side does.
+/// The two transitions, of speed and torque, are the law's last parameters.
+pub(super) fn drag<const N: usize>(
+    law_inputs: &[f64],
+    transitions: [f64; 2],
+    share: impl FnOnce(f64) -> Share<N>,
+) -> Response {
+    let (sign, bend, by_width) = shape::sign(law_inputs[0], transitions[0]);
     let torque = law_inputs[1];
-    let (turn, turn_bend, by_transition) = shape::sign(torque, p[2]);
+    let (turn, turn_bend, by_transition) = shape::sign(torque, transitions[1]);
     // |torque|, rounded over the transition torque.
     let size = torque * turn;
-    // 0 while the fast side drives and 1 while the slow side does: the lost share of T goes from f to f / (1 - f).
-    let driven = 0.5 * (1.0 - sign * turn);
-    let left = 1.0 - p[0] * driven;
-    let share = p[0] / left;
-    let share_by_driven = share * share;
-    let share_by_sign = -0.5 * turn * share_by_driven;
-    let share_by_turn = -0.5 * sign * share_by_driven;
-    let by_turn = torque * share + size * share_by_turn;
-    let by_sign = size * (share + sign * share_by_sign);
-    shape::response(
-        -size * share * sign,
-        &[-by_sign * bend, -sign * (turn * share + by_turn * turn_bend)],
-        &[-size * sign / (left * left), -by_sign * by_width, -sign * by_turn * by_transition],
-    )
+    let Share { value, by_driven, by_parameters } = share(0.5 * (1.0 - sign * turn));
+    let by_sign = size * (value - 0.5 * sign * turn * by_driven);
+    let by_turn = torque * value - 0.5 * size * sign * by_driven;
+    let mut response = shape::response(
+        -size * value * sign,
+        &[-by_sign * bend, -sign * (turn * value + by_turn * turn_bend)],
+        &by_parameters.map(|by_parameter| -size * sign * by_parameter),
+    );
+    response.by_parameter[N] = -by_sign * by_width;
+    response.by_parameter[N + 1] = -sign * by_turn * by_transition;
+    response
 }

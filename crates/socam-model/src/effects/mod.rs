@@ -16,6 +16,7 @@ mod definition;
 mod direction_dependence;
 mod direction_gain;
 mod discrepancy;
+mod driving_side;
 mod effect;
 pub mod experiment;
 mod external_disturbance;

@@ -57,7 +57,11 @@ fn law(machine: &Machine, hidden: &Hidden, p: &[f64]) -> Result<(LawKind, Vec<f6
         "direction_dependence" => (LawKind::Direction, all()),
         // The law of the catalogue is T = -torque.
         "constant_load" => (LawKind::Constant, vec![-p[0]]),
-        "mesh_loss" => (LawKind::Loss, all()),
+        // In proportion to the torque of the fast side, unless a share of what enters from the slow side is given.
+        "mesh_loss" => {
+            let back = p.get(1).map_or(p[0], |back| back / (1.0 - back));
+            (LawKind::Loss, vec![p[0], back, own[0], own[1]])
+        }
         "backlash" => (LawKind::Play, all()),
         "kinematic_error" => (LawKind::Eccentric, all()),
         "stiffness_hardening" => (LawKind::Hardening, all()),

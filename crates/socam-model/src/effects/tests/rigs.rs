@@ -28,6 +28,41 @@ fn a_mesh_loses_the_same_share_of_what_enters_whichever_side_drives() {
     }
 }
 
+/// Three known losses: of equal efficiencies, in proportion to the torque of the fast side, and of a screw, whose efficiency while
+/// back-driven is 2 - 1/efficiency.
+#[test]
+fn a_mesh_may_lose_another_share_while_the_slow_side_drives() {
+    let plain = effects::find("mesh_loss").unwrap();
+    let both = effects::find_with("mesh_loss", ["fraction", "back_fraction"].into_iter()).unwrap();
+    let fraction = 0.3;
+    let efficiency = 1.0 - fraction;
+    // Drag against the motion at a contact torque of 2 N m: while the fast side drives, and while the slow side does.
+    let drags = |back: f64| {
+        [2.0, -2.0].map(|torque| {
+            let at = |turn: f64| {
+                turn * -evaluate(both, &[3.0 * turn, torque * turn], &[fraction, back, 1e-9, 1e-9])
+            };
+            assert_eq!(at(1.0), at(-1.0));
+            at(1.0)
+        })
+    };
+    let close = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).abs() < 1e-12 && (b - d).abs() < 1e-12;
+    assert!(close(drags(fraction), [2.0 * fraction, 2.0 / efficiency - 2.0]));
+    assert!(close(drags(fraction / (1.0 + fraction)), [2.0 * fraction, 2.0 * fraction]));
+    let [_, of_screw] = drags(1.0 / efficiency - 1.0);
+    assert!((2.0 / (2.0 + of_screw) - (2.0 - 1.0 / efficiency)).abs() < 1e-12);
+    // Equal shares are the plain law, in its transitions too. A fit of the richer law starts there.
+    for seen in [[0.02, 0.1], [-0.02, 0.1], [0.05, -0.3], [0.0, 0.2], [3.0, -2.0]] {
+        let [a, b] = [(plain, &[fraction, 0.05, 0.1][..]), (both, &[fraction, fraction, 0.05, 0.1])]
+            .map(|(law, parameters)| evaluate(law, &seen, parameters));
+        assert!((a - b).abs() < 1e-15, "{seen:?}: {a}, {b}");
+    }
+    let model = Model::builtin("speed-o-cam").unwrap();
+    let rig = Rig::of_model(&model, &model.values());
+    let starts = (both.replaces[0].starts)(&rig, &FittedValues(&[("fraction", fraction)]));
+    assert_eq!((both.replaces[0].law, starts), (plain.id, vec![vec![("back_fraction", fraction)]]));
+}
+
 #[test]
 fn sensors_fold_and_differ_by_direction() {
     let fold = effects::find("sensor_fold").unwrap();
