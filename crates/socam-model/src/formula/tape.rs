@@ -129,7 +129,7 @@ impl Tape {
     /// ```
     /// use socam_model::formula::Tape;
     ///
-    /// let power = Tape::over("abs(torque)*speed", &[("torque".into(), "N m"), ("speed".into(), "rad/s")], "kW")?;
+    /// let power = Tape::over("abs(torque)*speed", &[("torque".into(), "N m"), ("speed".into(), "rad/s")], "N m rad/s")?;
     /// assert_eq!(power.value(&[-2.0, 3.0]), 6.0);
     /// # Ok::<(), socam_model::formula::FormulaProblem>(())
     /// ```
