@@ -11,7 +11,7 @@ use crate::{
     candidate::Candidate,
     document::{Component, EffectParameter, Finding, FindingEvidence, Region, UNEXPLAINED},
     materiality,
-    nonparametric::{law::FoundFormula, term::Unexplained},
+    nonparametric::{formula::FoundFormula, term::Unexplained},
     proof::Proof,
     region,
     selection::Path,

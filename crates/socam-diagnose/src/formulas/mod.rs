@@ -15,7 +15,7 @@ use crate::{
     context::{Context, FittedModel},
     criterion,
     document::RivalFormula,
-    nonparametric::{law::FoundFormula, term::Unexplained},
+    nonparametric::{formula::FoundFormula, term::Unexplained},
     selection::Path,
 };
 use fit::Candidate;

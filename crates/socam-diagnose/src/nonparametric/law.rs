@@ -9,30 +9,13 @@ use super::{
     },
     term::{Action, Unexplained},
 };
-use crate::{context::FittedModel, document::RivalFormula};
 
 /// Name of the law in the file.
 pub(crate) const NAME: &str = "unexplained";
 /// Half width of a 95 % interval, standard errors.
 const NORMAL_95: f64 = 1.96;
 
-/// A formula that predicts as well as a curve.
-#[derive(Debug, Clone)]
-pub(crate) struct FoundFormula {
-    /// The law, its parameters at their fit and with their intervals.
-    pub(crate) law: NewLaw,
-    /// The last model with the law, at its fit.
-    pub(crate) fitted: FittedModel,
-    /// The curve, and other formulas that were fitted, the simplest of those that predict alike first.
-    pub(crate) rivals: Vec<RivalFormula>,
-}
-
 impl Unexplained {
-    /// The last model with the formula or, where there is none, the curve, at its fit.
-    pub(crate) fn whole(&self) -> &FittedModel {
-        self.formula.as_ref().map_or(&self.fitted, |formula| &formula.fitted)
-    }
-
     /// The term as a law.
     pub(crate) fn law(&self) -> NewLaw {
         let is = |effect: &_| std::ptr::eq(self.term.effect, effect);

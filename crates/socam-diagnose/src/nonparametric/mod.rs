@@ -8,7 +8,8 @@
 mod basis;
 pub(crate) mod coordinate;
 mod fit;
-pub(crate) mod law;
+pub(crate) mod formula;
+mod law;
 pub(crate) mod term;
 
 use rayon::prelude::*;

@@ -8,7 +8,7 @@ use super::{
         BEARING_ANGLE, BEARING_FRICTION_BY_ANGLE, BEARING_FRICTION_BY_TIME, BEARING_SPEED, CHANNEL_GAIN,
         SPRING_STIFFNESS,
     },
-    law::FoundFormula,
+    formula::FoundFormula,
 };
 use crate::{
     context::FittedModel,
@@ -177,6 +177,11 @@ impl NonparametricTerm {
 }
 
 impl Unexplained {
+    /// The last model with the formula or, where there is none, the curve, at its fit.
+    pub(crate) fn whole(&self) -> &FittedModel {
+        self.formula.as_ref().map_or(&self.fitted, |formula| &formula.fitted)
+    }
+
     pub(crate) fn action(&self) -> Action {
         self.term.action()
     }
