@@ -4,9 +4,7 @@ use socam_model::effects::COULOMB_FRICTION;
 
 use crate::error::{Result, RobotError};
 use crate::joint::Sourced;
-use crate::settings::Settings;
 use crate::written::{ModelText, Parameter, plain, rounded};
-use crate::{moteus, odrive};
 
 /// N m/A of a motor of 1 rpm/V, by the current of a phase: 3/2 over the square root of 3, in rad/s.
 pub(crate) const TORQUE_FACTOR: f64 = 1.5 * 60.0 / (1.732_050_807_568_877_2 * std::f64::consts::TAU);
@@ -71,24 +69,6 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// Reads settings: lines of `moteus_tool --dump-config`, or the JSON of `odrivetool backup-config`, of which `axis` names one axis.
-    ///
-    /// # Errors
-    /// One sentence with the line or the setting.
-    pub fn parse(text: &str, axis: Option<&str>) -> Result<Self> {
-        if text.trim_start_matches('\u{feff}').trim_start().starts_with('{') {
-            return odrive::read(&Settings::json(text)?, axis);
-        }
-        let controller = moteus::read(&Settings::lines(text)?)?;
-        match axis {
-            Some(axis) if axis != controller.name => Err(RobotError::Whole(format!(
-                "is of one axis, `{}`, and has no `{axis}`; leave out --joint",
-                controller.name
-            ))),
-            _ => Ok(controller),
-        }
-    }
-
     /// The model as a file of schema `socam.model/1`, and what it leaves out. `settings` is the name of the file of settings.
     ///
     /// # Errors

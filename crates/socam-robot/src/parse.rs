@@ -1,8 +1,10 @@
-//! Reading of a description in any syntax.
+//! Reading of a description or of settings in any syntax.
 
+use crate::controller::Controller;
 use crate::error::{Result, RobotError};
+use crate::settings::Settings;
 use crate::tree::Robot;
-use crate::{mjcf, sdf, urdf};
+use crate::{mjcf, moteus, odrive, sdf, urdf};
 
 impl Robot {
     /// Reads a description. `include` gives the text of a file that it names.
@@ -21,6 +23,26 @@ impl Robot {
             other => Err(RobotError::Whole(format!(
                 "begins with <{other}>; expected <robot> of URDF, <mujoco> of MJCF or <sdf>"
             ))),
+        }
+    }
+}
+
+impl Controller {
+    /// Reads settings: lines of `moteus_tool --dump-config`, or the JSON of `odrivetool backup-config`, of which `axis` names one axis.
+    ///
+    /// # Errors
+    /// One sentence with the line or the setting.
+    pub fn parse(text: &str, axis: Option<&str>) -> Result<Self> {
+        if text.trim_start_matches('\u{feff}').trim_start().starts_with('{') {
+            return odrive::read(&Settings::json(text)?, axis);
+        }
+        let controller = moteus::read(&Settings::lines(text)?)?;
+        match axis {
+            Some(axis) if axis != controller.name => Err(RobotError::Whole(format!(
+                "is of one axis, `{}`, and has no `{axis}`; leave out --joint",
+                controller.name
+            ))),
+            _ => Ok(controller),
         }
     }
 }
