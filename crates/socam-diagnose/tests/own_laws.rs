@@ -140,7 +140,7 @@ fn a_hump_of_drag_is_found_as_a_formula() {
 #[test]
 fn a_brake_that_fades_is_found_as_a_formula() {
     let (found, corrected) = of(|speed, t| -9.0 * (-t / 0.8).exp() * (speed / 2e-3).tanh());
-    assert_eq!(found.equation, "-a*exp(-time/fall)*tanh(speed/transition)");
+    assert_eq!(found.equation, "-a*exp(-time/fall)*tanh(speed/transition)", "{found:?}");
     assert!(holds(&found, "a", 9.0) && holds(&found, "fall", 0.8), "{:?}", found.parameters);
     assert!(corrected.effects.iter().any(|used| used.effect.id == "unexplained"));
 }

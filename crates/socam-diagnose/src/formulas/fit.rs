@@ -20,7 +20,7 @@ use crate::{
 };
 
 /// Largest number of iterations of a formula's fit.
-const ITERATIONS: usize = 15;
+const ITERATIONS: usize = 25;
 /// Least half width of an interval, as a share of the value: a law of a machine is not exactly a formula of so small a grammar.
 const DISCREPANCY: f64 = criterion::LAW_DISCREPANCY;
 
@@ -79,7 +79,7 @@ impl Candidate {
             values[index] += form.slope / over.size;
         }
         let problem = context.tentative(&grown)?;
-        let round = (comparison::COARSE, ITERATIONS);
+        let round = (comparison::FINE, ITERATIONS);
         let at = comparison::descend(&problem, &path.noise, &values, None, round)?;
         let Some(at) = at.filter(|_| !context.stops()) else { return Ok(None) };
         let fitted = context.validated(&grown, at, &path.noise)?;

@@ -1,8 +1,8 @@
 //! A formula in the place of a curve that no effect of the catalogue explains.
 //!
 //! Every formula of a small grammar is compared with the points of the curve; the likeliest are fitted to the recordings in the curve's place
-//! and compared by the criterion by which all models are. The simplest within one standard error of the best is taken, unless the curve
-//! predicts better than it: then there is no formula.
+//! and compared by the criterion by which all models are. The simplest is taken that is within one standard error of the best, or within what a law's
+//! discrepancy can make, unless the curve predicts better than the best: then there is no formula.
 
 mod fit;
 mod grammar;
@@ -46,14 +46,16 @@ pub(crate) fn in_place_of(
     let gained = |own: &FittedModel| path.gain(own, &before).log_score;
     let best = all.iter().max_by(|a, b| gained(&a.fitted).total_cmp(&gained(&b.fitted)));
     let Some(best) = best.map(|best| best.fitted.clone()) else { return Ok(None) };
+    // Smaller differences than a law's discrepancy can make are not evidence for one formula, or for the curve.
+    let by_law = criterion::by_law(gained(&best)).max(LEAST_DIFFERENCE);
     let less = path.gain(&curve, &best);
-    if context.stops() || less.log_score > less.std.max(criterion::by_law(gained(&curve))) {
+    if context.stops() || less.log_score > less.std.max(by_law) {
         return Ok(None);
     }
-    // The simplest within one standard error of the best comes first.
+    // The simplest that predicts as well as the best comes first.
     let price = |own: &Candidate| {
         let less = path.gain(&best, &own.fitted);
-        let is_far = less.log_score > less.std.max(LEAST_DIFFERENCE);
+        let is_far = less.log_score > less.std.max(by_law);
         (is_far, if is_far { 0 } else { own.parameters }, less.log_score)
     };
     all.sort_by(|a, b| {
