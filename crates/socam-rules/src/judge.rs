@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use socam_model::formula::{Formula, FormulaProblem, Tape};
-use socam_recording::{Channel, Dataset};
+use socam_recording::{Block, Channel, Dataset};
 use socam_units::Scale;
 
 use crate::{
@@ -79,12 +79,24 @@ impl<'r> Judge<'r> {
         Ok(Self { bound: bound.collect::<Result<_, _>>()? })
     }
 
-    /// What a recording says of each rule; it must have the channels of the one to which the rules were bound.
+    /// What a recording says of each rule, in one pass; it must have the channels of the one to which the rules were bound.
     ///
     /// # Errors
     /// [`RulesError::Recording`] where it cannot be read.
     pub fn verdicts(&self, data: &Dataset) -> Result<Vec<Verdict>, RulesError> {
-        self.bound.iter().map(|bound| bound.verdict(data)).collect()
+        let mut channels: Vec<usize> =
+            self.bound.iter().flat_map(|bound| bound.channels.iter().copied()).collect();
+        channels.sort_unstable();
+        channels.dedup();
+        let mut hearings: Vec<Hearing<'_>> =
+            self.bound.iter().map(|bound| Hearing::new(bound, &channels)).collect();
+        let mut segment = None;
+        for block in data.blocks_in(0..data.rows(), &channels)? {
+            let block = block?;
+            let is_behind_gap = segment.replace(block.segment) != Some(block.segment);
+            hearings.iter_mut().for_each(|hearing| hearing.take(&block, is_behind_gap));
+        }
+        Ok(hearings.into_iter().map(Hearing::verdict).collect())
     }
 }
 
@@ -105,50 +117,71 @@ impl<'r> Bound<'r> {
         Ok(Self { rule, formula, channels, scale })
     }
 
-    fn verdict(&self, data: &Dataset) -> Result<Verdict, RulesError> {
-        let mut episodes = Episodes::default();
-        let (mut judged, mut missing) = (0_u64, 0_u64);
-        let mut segment = None;
-        for block in data.blocks_in(0..data.rows(), &self.channels)? {
-            let block = block?;
-            if segment.replace(block.segment) != Some(block.segment) {
-                episodes.end(self.rule.for_s);
-            }
-            for (row, time_s) in block.time_s.iter().enumerate() {
-                let inputs: Vec<f64> = block.columns.iter().map(|column| column.values()[row]).collect();
-                let value = (self.formula.value(&inputs) - self.scale.offset) / self.scale.factor;
-                if value.is_finite() {
-                    judged += 1;
-                } else {
-                    missing += 1;
-                }
-                match self.beyond(value) {
-                    Some(beyond) => episodes.go_on(*time_s, value, beyond),
-                    None => episodes.end(self.rule.for_s),
-                }
-            }
-        }
-        episodes.end(self.rule.for_s);
-        let keeping = match (judged, episodes.times) {
-            (0, _) => Keeping::NotJudged,
-            (_, 0) => Keeping::Kept,
-            _ => Keeping::Broken,
-        };
-        Ok(Verdict {
-            rule: self.rule.name.clone(),
-            keeping,
-            unit: self.rule.unit.clone(),
-            times: episodes.times,
-            episodes: episodes.first,
-            rows_not_judged: missing,
-        })
-    }
-
     /// How far a value is beyond a limit; `None` where it keeps to both, or there is none.
     fn beyond(&self, value: f64) -> Option<f64> {
         let below = self.rule.below.map(|most| value - most);
         let above = self.rule.above.map(|least| least - value);
         [below, above].into_iter().flatten().filter(|beyond| *beyond >= 0.0).reduce(f64::max)
+    }
+}
+
+/// A rule while rows are read.
+struct Hearing<'b> {
+    bound: &'b Bound<'b>,
+    /// Places of its channels among those that are read.
+    columns: Vec<usize>,
+    inputs: Vec<f64>,
+    episodes: Episodes,
+    judged: u64,
+    missing: u64,
+}
+
+impl<'b> Hearing<'b> {
+    fn new(bound: &'b Bound<'b>, read: &[usize]) -> Self {
+        let columns: Vec<usize> =
+            bound.channels.iter().filter_map(|own| read.iter().position(|channel| channel == own)).collect();
+        let inputs = vec![0.0; columns.len()];
+        Self { bound, columns, inputs, episodes: Episodes::default(), judged: 0, missing: 0 }
+    }
+
+    fn take(&mut self, block: &Block, is_behind_gap: bool) {
+        let Bound { rule, formula, scale, .. } = self.bound;
+        if is_behind_gap {
+            self.episodes.end(rule.for_s);
+        }
+        for (row, time_s) in block.time_s.iter().enumerate() {
+            for (input, column) in self.inputs.iter_mut().zip(&self.columns) {
+                *input = block.columns[*column].values()[row];
+            }
+            let value = (formula.value(&self.inputs) - scale.offset) / scale.factor;
+            if value.is_finite() {
+                self.judged += 1;
+            } else {
+                self.missing += 1;
+            }
+            match self.bound.beyond(value) {
+                Some(beyond) => self.episodes.go_on(*time_s, value, beyond),
+                None => self.episodes.end(rule.for_s),
+            }
+        }
+    }
+
+    fn verdict(mut self) -> Verdict {
+        let rule = self.bound.rule;
+        self.episodes.end(rule.for_s);
+        let keeping = match (self.judged, self.episodes.times) {
+            (0, _) => Keeping::NotJudged,
+            (_, 0) => Keeping::Kept,
+            _ => Keeping::Broken,
+        };
+        Verdict {
+            rule: rule.name.clone(),
+            keeping,
+            unit: rule.unit.clone(),
+            times: self.episodes.times,
+            episodes: self.episodes.first,
+            rows_not_judged: self.missing,
+        }
     }
 }
 
@@ -219,7 +252,7 @@ impl Verdict {
                 times => format!(", and {} more times", times - 1),
             };
             format!(
-                "broken from {:.6} s to {:.6} s, worst {:.6} {} at {:.6} s{more}",
+                "broken from {} s to {} s, worst {} {} at {} s{more}",
                 Short(episode.from_s),
                 Short(episode.to_s),
                 Short(episode.worst),

@@ -5,7 +5,7 @@ use socam_identify::{
     comparison::{self, NoiseModel},
     uncertainty::jackknife,
 };
-use socam_model::{Model, NewLaw, NewParameter, effects::Effect};
+use socam_model::{Model, NewLaw, NewParameter};
 
 use super::{
     grammar::REFERENCE,
@@ -21,8 +21,6 @@ use crate::{
 
 /// Largest number of iterations of a formula's fit.
 const ITERATIONS: usize = 25;
-/// Least half width of an interval, as a share of the value: a law of a machine is not exactly a formula of so small a grammar.
-const DISCREPANCY: f64 = criterion::LAW_DISCREPANCY;
 
 /// A formula that was fitted.
 pub(super) struct Candidate {
@@ -67,13 +65,8 @@ impl Candidate {
         form: &Form,
     ) -> Result<Option<Self>, IdentifyError> {
         let law = law(curve, over, form);
-        let Some((effect, grown)) = with_law(&path.last.model, &law) else { return Ok(None) };
+        let Some(grown) = with_law(&path.last.model, &law) else { return Ok(None) };
         let mut values = carried_over((&curve.fitted.model, &curve.fitted.at.values), &grown);
-        let Some(used) = grown.effects.last() else { return Ok(None) };
-        for (own, index) in effect.parameters.iter().zip(&used.parameters) {
-            values[*index] =
-                law.parameters.iter().find(|one| one.name == own.name).map_or(0.0, |one| one.value);
-        }
         // What the curve held of the damping or stiffness at its place goes back to it; parameters of the base come first in every model.
         if let Some(index) = curve.slope_beside() {
             values[index] += form.slope / over.size;
@@ -112,7 +105,8 @@ impl Candidate {
                 return Ok(None);
             };
             let half = widths.as_ref().map_or(0.0, |widths| widths[*index]);
-            let share = DISCREPANCY * value.abs();
+            // A law of a machine is not exactly a formula of so small a grammar.
+            let share = criterion::LAW_DISCREPANCY * value.abs();
             let (low, high) = (low.min(value - half) - share, high.max(value + half) + share);
             if low <= 0.0 && high >= 0.0 {
                 return Ok(None);
@@ -153,8 +147,8 @@ fn law(curve: &Unexplained, over: &Coordinate, form: &Form) -> NewLaw {
     curve.law_of(&if texts.len() > 1 { format!("({sum})") } else { sum }, parameters)
 }
 
-/// The model with a law, and the law as an effect.
-fn with_law(model: &Model, law: &NewLaw) -> Option<(&'static Effect, Model)> {
+/// The model with a law at its values.
+fn with_law(model: &Model, law: &NewLaw) -> Option<Model> {
     let read = Model::parse(&model.text_with_law(law, "").ok()?).ok()?;
     let effect = read.effects.iter().rfind(|used| used.effect.is_own())?.effect;
     let parameter = |name: &str| law.parameters.iter().find(|own| own.name == name);
@@ -167,5 +161,5 @@ fn with_law(model: &Model, law: &NewLaw) -> Option<(&'static Effect, Model)> {
         grown.parameters[index].fixed = wanted.is_fixed;
         grown.parameters[index].bounds = wanted.bounds.map_or((f64::NEG_INFINITY, f64::INFINITY), Into::into);
     }
-    Some((effect, grown))
+    Some(grown)
 }

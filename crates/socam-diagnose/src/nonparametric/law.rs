@@ -3,10 +3,7 @@
 use socam_model::{Motion, NewCurve, NewLaw, NewParameter};
 
 use super::{
-    basis::{
-        BEARING_ANGLE, BEARING_SPEED, BEARING_TIME, CHANNEL_GAIN, CHANNEL_READING, SPRING_STIFFNESS,
-        SPRING_TWIST, transition,
-    },
+    basis::{BEARING_ANGLE, BEARING_SPEED, BEARING_TIME, CHANNEL_GAIN, SPRING_STIFFNESS, transition},
     term::{Action, Unexplained},
 };
 
@@ -18,20 +15,9 @@ const NORMAL_95: f64 = 1.96;
 impl Unexplained {
     /// The term as a law.
     pub(crate) fn law(&self) -> NewLaw {
-        let is = |effect: &_| std::ptr::eq(self.term.effect, effect);
-        let curve = (!self.term.is_by_turn()).then(|| NewCurve {
-            over: if is(&BEARING_SPEED) {
-                "speed"
-            } else if is(&SPRING_TWIST) {
-                "twist"
-            } else if is(&CHANNEL_READING) {
-                "reading"
-            } else {
-                "time"
-            }
-            .into(),
-            at: self.term.basis().iter().map(|own| own[0]).collect(),
-        });
+        let curve = self
+            .coordinate()
+            .map(|over| NewCurve { over: over.name.into(), at: self.points().map(|(at, ..)| at).collect() });
         NewLaw { curve, ..self.law_of(&self.sum(), self.parameters()) }
     }
 

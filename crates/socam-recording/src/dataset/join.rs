@@ -24,6 +24,9 @@ const UNKNOWN_STEPS: f64 = 10.0;
 /// Sampling times of two files that differ by more than this factor belong to different recordings.
 const SAME_RATE: f64 = 1.5;
 
+const NO_ROOM: &str =
+    "there is room for it neither in memory nor in the folder of temporary files; free some";
+
 const DAY_S: f64 = 86_400.0;
 
 impl Dataset {
@@ -66,7 +69,7 @@ impl Dataset {
         if out.is_empty() {
             return Err(RecordingError::NoSamples { path: selection.name().into(), is_whole: false });
         }
-        self.without_rows().with_rows(out, selection.name())
+        self.without_rows().with_rows(out, selection.name(), NO_ROOM)
     }
 
     /// All but its rows, which need memory.
@@ -74,8 +77,8 @@ impl Dataset {
         Self { source: Source::Memory(Arc::new(Memory::existing(Table::default()))), ..self }
     }
 
-    /// Itself with these rows.
-    fn with_rows(self, mut out: Resampled, name: String) -> Result<Self> {
+    /// Itself with these rows and this name; `no_room` is the problem where nothing can hold them.
+    pub(super) fn with_rows(self, mut out: Resampled, name: String, no_room: &str) -> Result<Self> {
         out.flush();
         let Resampled { tally, kept, .. } = out;
         let (segments, sample_time_s) = tally.finder.finish();
@@ -84,11 +87,7 @@ impl Dataset {
             Kept::Spill(spill) => {
                 Source::Spill(SpillSource { spill, columns: (0..self.channels.len()).collect() }.into())
             }
-            Kept::Nothing => {
-                let problem =
-                    "there is room for it neither in memory nor in the folder of temporary files; free some";
-                return Err(RecordingError::Table { name, problem: problem.into() });
-            }
+            Kept::Nothing => return Err(RecordingError::Table { name, problem: no_room.into() }),
         };
         let statistics = tally.running.into_iter().map(Running::finish).collect();
         Ok(Self { name, statistics, segments, sample_time_s, rows: tally.rows, source, ..self })
@@ -165,7 +164,7 @@ impl Joining {
     }
 
     fn finish(self, name: String) -> Result<Dataset> {
-        self.all.with_rows(self.out, name)
+        self.all.with_rows(self.out, name, NO_ROOM)
     }
 
     fn note(&mut self, text: String) {

@@ -6,10 +6,8 @@
 
 use super::data::Dataset;
 use super::grid::{Carry, Resampled, Resampler};
-use super::keep::Kept;
-use super::source::{Source, SpillSource};
 use crate::Channel;
-use crate::error::{RecordingError, Result};
+use crate::error::Result;
 use crate::segments::{Segment, SegmentFinder};
 use crate::warning::Warning;
 
@@ -235,34 +233,14 @@ impl Dataset {
     }
 
     /// The recording with these rows in place of its own, `parts` for each sample, and a note about them.
-    pub(super) fn resampled(&self, mut out: Resampled, parts: u32, note: String) -> Result<Self> {
-        out.flush();
-        let Resampled { tally, kept, .. } = out;
-        let rows = tally.rows;
-        let (segments, sample_time_s) = tally.finder.finish();
-        let source = match kept.finish() {
-            Kept::Memory(memory) => Source::Memory(memory.into()),
-            Kept::Spill(spill) => {
-                Source::Spill(SpillSource { spill, columns: (0..self.channels.len()).collect() }.into())
-            }
-            Kept::Nothing => {
-                let problem = "there is room neither in memory nor on disk for its regular grid".into();
-                return Err(RecordingError::Table { name: self.name.clone(), problem });
-            }
-        };
-        let mut warnings = self.warnings.clone();
-        warnings.push(Warning::Note(note));
-        Ok(Self {
-            statistics: tally.running.into_iter().map(crate::statistics::Running::finish).collect(),
-            segments,
-            sample_time_s,
-            rows,
-            parts,
-            uneven: false,
-            warnings,
-            source,
-            ..self.clone()
-        })
+    pub(super) fn resampled(&self, out: Resampled, parts: u32, note: String) -> Result<Self> {
+        let mut all = Self { parts, uneven: false, ..self.clone() };
+        all.warnings.push(Warning::Note(note));
+        all.with_rows(
+            out,
+            self.name.clone(),
+            "there is room neither in memory nor on disk for its regular grid",
+        )
     }
 }
 
