@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["VERSION", "Column", "Comparison", "Diagnosis", "FleetPart", "FleetRow", "FleetSummary", "FleetTask", "Identification", "Model", "Recording", "check", "compare", "described", "design", "diagnose", "fleet_list", "fleet_sources", "frf", "identify", "is_recording", "profiles", "replay", "simulate", "watch"]
+__all__ = ["VERSION", "Column", "Comparison", "Diagnosis", "FleetPart", "FleetRow", "FleetSummary", "FleetTask", "Identification", "Model", "Recording", "check", "compare", "described", "design", "diagnose", "expand", "fleet_list", "fleet_sources", "frf", "identify", "is_recording", "profiles", "replay", "simulate", "watch"]
 
 VERSION: Final[str]
 """
