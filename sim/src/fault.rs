@@ -1,6 +1,6 @@
 //! Faults of sensors: the catalogue's effects at channels, applied to a reading sample by sample.
 
-use socam_model::effects::{Acts, ActsAt, Effect, Form, LawInput};
+use socam_model::effects::{Acts, ActsAt, Effect, Form, LawInput, Places};
 
 use crate::SimError;
 use crate::concealed::Concealed;
@@ -14,9 +14,9 @@ pub(crate) struct Fault {
 }
 
 impl Fault {
-    /// Whether an effect is a fault of a sensor.
+    /// Whether an effect is a fault of a sensor, and not of what drives the machine.
     pub(crate) fn is_one(effect: &Effect) -> bool {
-        effect.acts_at == ActsAt::Channel
+        effect.acts_at == ActsAt::Channel && effect.places != Places::Inputs
     }
 
     /// # Errors
@@ -97,7 +97,7 @@ impl FaultyChannel {
                 truth + additions.sum::<f64>()
             }
             // These effects change the network, never a channel.
-            Form::Inertia | Form::Compliance => truth,
+            Form::Inertia | Form::Compliance | Form::Mounting => truth,
         }
     }
 }

@@ -85,6 +85,7 @@ fn both_numerics_agree_on_every_effect() {
         ("constant_load", "load", &[("torque", 0.5)]),
         ("mesh_loss", "mesh", &[("fraction", 0.1)]),
         ("mesh_loss", "mesh", &[("fraction", 0.1), ("back_fraction", 0.4)]),
+        ("mesh_loss", "mesh", &[("fraction", 0.2), ("deflection", 0.01)]),
         ("backlash", "mesh", &[("gap", 5e-3)]),
         ("kinematic_error", "mesh", &[("order", 1.0), ("amplitude", 1e-3), ("phase", 0.5)]),
         ("stiffness_hardening", "coupling_3", &[("cubic", 60.0)]),
@@ -116,7 +117,8 @@ fn both_numerics_agree_on_every_effect() {
     for effect in effects::CATALOGUE {
         // The motor's speed is prescribed here: no torque moves it. See below.
         assert!(
-            effect.id == "torque_ripple" || cases.iter().any(|(id, ..)| *id == effect.id),
+            ["torque_ripple", "drive_limit", "mounting_compliance"].contains(&effect.id)
+                || cases.iter().any(|(id, ..)| *id == effect.id),
             "{} has no case in `both_numerics_agree_on_every_effect`; add one in tests/tests/catalogue.rs",
             effect.id
         );
@@ -125,6 +127,21 @@ fn both_numerics_agree_on_every_effect() {
     for (id, place, values) in cases {
         check(&base, id, place, values);
     }
+}
+
+#[test]
+fn a_drives_torque_ends() {
+    check(&Model::builtin("two-mass").unwrap(), "drive_limit", "motor_torque", &[("limit", 50.0)]);
+}
+
+#[test]
+fn a_mounting_gives_way() {
+    check(
+        &Model::builtin("two-mass").unwrap(),
+        "mounting_compliance",
+        "motor",
+        &[("stiffness", 3e3), ("frequency", 9.0), ("damping_ratio", 0.05)],
+    );
 }
 
 #[test]

@@ -40,7 +40,7 @@ pub use error::ExportError;
 pub use provenance::Provenance;
 
 use description::Description;
-use socam_model::Model;
+use socam_model::{Model, effects::Form};
 
 /// A simulator's format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -138,7 +138,9 @@ fn not_held(model: &Model) -> Option<String> {
         model.differentials.first().map(|differential| format!("the differential `{}`", differential.name));
     let limit = model.servo.as_ref().filter(|servo| servo.limit.is_some());
     let limit = limit.map(|servo| format!("the torque limit of the servo `{}`", servo.name));
-    winding.or(differential).or(limit).map(|what| format!("{what} is not exported yet"))
+    let mounted = model.effects.iter().find(|used| matches!(used.effect.form, Form::Mounting));
+    let mounted = mounted.map(|used| format!("the mounting of `{}` that gives way", used.place));
+    winding.or(differential).or(limit).or(mounted).map(|what| format!("{what} is not exported yet"))
 }
 
 /// A name that every target takes, like `wanted`.

@@ -183,7 +183,7 @@ impl Builder<'_, '_> {
                     reading = name(&state);
                 }
                 Form::Delay => delay = Some(own.parameters[0]),
-                Form::Laws(_) | Form::Inertia | Form::Compliance | Form::Gain => {}
+                Form::Laws(_) | Form::Inertia | Form::Compliance | Form::Mounting | Form::Gain => {}
             }
         }
         (reading, delay)

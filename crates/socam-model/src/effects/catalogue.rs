@@ -2,10 +2,11 @@
 
 use super::{
     backlash, constant_load, coulomb_friction, coupling_slip, damping_drift, definition::Effect,
-    direction_dependence, direction_gain, driving_side, external_disturbance, gravity_unbalance, hysteresis,
-    kinematic_error, mesh_loss, missing_compliance, missing_inertia, presliding, quadratic_drag,
-    sensor_delay, sensor_fold, sensor_gain, sensor_hum, sensor_lag, sensor_offset, sensor_ripple,
-    sensor_saturation, stiffness_hardening, stribeck_friction, torque_ripple, velocity_weakening,
+    direction_dependence, direction_gain, drive_limit, driving_side, external_disturbance, gravity_unbalance,
+    hysteresis, kinematic_error, mesh_loss, mesh_presliding, missing_compliance, missing_inertia,
+    mounting_compliance, presliding, quadratic_drag, sensor_delay, sensor_fold, sensor_gain, sensor_hum,
+    sensor_lag, sensor_offset, sensor_ripple, sensor_saturation, stiffness_hardening, stribeck_friction,
+    torque_ripple, velocity_weakening,
 };
 
 /// Every effect, in the order of the documentation.
@@ -24,6 +25,7 @@ pub const CATALOGUE: &[&Effect] = &[
     &hysteresis::EFFECT,
     &missing_compliance::EFFECT,
     &missing_inertia::EFFECT,
+    &mounting_compliance::EFFECT,
     &coupling_slip::EFFECT,
     &gravity_unbalance::EFFECT,
     &external_disturbance::EFFECT,
@@ -33,6 +35,7 @@ pub const CATALOGUE: &[&Effect] = &[
     &sensor_lag::EFFECT,
     &sensor_delay::EFFECT,
     &sensor_saturation::EFFECT,
+    &drive_limit::EFFECT,
     &sensor_fold::EFFECT,
     &direction_gain::EFFECT,
     &sensor_hum::EFFECT,
@@ -45,6 +48,7 @@ pub const REFINED: &[&Effect] = &[
     &presliding::COULOMB,
     &presliding::STRIBECK,
     &driving_side::MESH_LOSS,
+    &mesh_presliding::MESH_LOSS,
     &sensor_delay::AT_INPUT,
     &sensor_saturation::AT_INPUT,
 ];

@@ -6,7 +6,7 @@ use super::{
         Places, Prior, QuantityKind, Replaces, Response, Rule, Steady, all_zero, begin_with_little,
     },
     experiment,
-    mesh_loss::{self, Share, drag},
+    mesh_loss::{self, Direction, Share, drag},
     usual,
 };
 
@@ -77,7 +77,7 @@ const LEAST_START: f64 = 0.01;
 
 fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
     let (fraction, back) = (p[0], p[1]);
-    drag(law_inputs, [p[2], p[3]], |driven| {
+    drag(Direction::of(law_inputs[0], p[2]), law_inputs[1], p[3], |driven| {
         // From f to g / (1 - g), and for equal fractions the share of the plain law in between too.
         let lost = fraction + (back - fraction) * driven;
         let left = 1.0 - back * driven;

@@ -150,7 +150,7 @@ impl Effect {
     pub fn laws(&self) -> &'static [Law] {
         match self.form {
             Form::Laws(laws) => laws,
-            Form::Inertia | Form::Compliance | Form::Gain | Form::Lag | Form::Delay => &[],
+            Form::Inertia | Form::Compliance | Form::Mounting | Form::Gain | Form::Lag | Form::Delay => &[],
         }
     }
 

@@ -159,6 +159,8 @@ pub enum Form {
     Inertia,
     /// Replaces a rigid shaft by a spring and a damper, its two parameters.
     Compliance,
+    /// The machine stands on a frame of one coordinate. Parameters: its stiffness to the ground, natural frequency (Hz) and damping ratio.
+    Mounting,
     /// The reading of its channel is its first parameter times the true value.
     Gain,
     /// The reading of its channel follows the true value with a first-order lag, whose time constant is its first parameter.

@@ -87,13 +87,23 @@ impl Model {
                     Places::Inputs => {
                         channel.role == Role::Input && channel.transform == ChannelTransform::Value
                     }
-                    Places::Every | Places::Load | Places::Driven | Places::Free => {
+                    Places::Every | Places::Load | Places::Driven | Places::DrivenOnAFrame | Places::Free => {
                         channel.role == Role::Output || !of_outputs
                     }
                 };
                 self.channels.iter().filter(fits).map(|channel| &*channel.name).collect()
             }
         }
+    }
+}
+
+impl Model {
+    /// Name of the node on which an input acts: its own place, or the node of its motor or servo.
+    fn driven_node<'a>(&'a self, input: &'a Channel) -> Option<&'a str> {
+        let motors = self.motors.iter().map(|motor| (&motor.name, motor.node));
+        let servos = self.servo.iter().map(|servo| (&servo.name, servo.node));
+        let driver = motors.chain(servos).find(|(name, _)| **name == input.at);
+        driver.map_or(Some(&*input.at), |(_, node)| Some(&*self.nodes.get(node)?.name))
     }
 }
 
@@ -112,7 +122,8 @@ impl Effect {
     #[must_use]
     pub fn places_in(&self, model: &Model) -> Vec<String> {
         let moves = |input: &Channel| input.quantity.drives();
-        let driven = |name: &str| model.inputs().any(|input| moves(input) && input.at == name);
+        let driven =
+            |name: &str| model.inputs().any(|input| moves(input) && model.driven_node(input) == Some(name));
         let prescribed =
             |name: &str| model.inputs().any(|input| input.quantity == Quantity::Speed && input.at == name);
         let massive = |name: &str| model.nodes.iter().any(|node| node.name == name && node.inertia.is_some());
@@ -133,6 +144,10 @@ impl Effect {
             Places::Driven => {
                 all.filter(|place| !prescribed(place) && (driven(place) || behind_drive(place))).collect()
             }
+            Places::DrivenOnAFrame if model.inputs().any(|input| input.quantity == Quantity::Speed) => {
+                Vec::new()
+            }
+            Places::DrivenOnAFrame => all.find(|place| driven(place)).into_iter().collect(),
             Places::Free => all.filter(|place| !prescribed(place)).collect(),
             Places::Sensors => {
                 all.filter(|place| channel(place).is_some_and(|c| c.role == Role::Output)).collect()

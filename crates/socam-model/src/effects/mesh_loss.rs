@@ -58,11 +58,29 @@ pub(super) const EFFECT: Effect = Effect {
 };
 
 fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
-    drag(law_inputs, [p[1], p[2]], |driven| {
-        let left = 1.0 - p[0] * driven;
-        let value = p[0] / left;
-        Share { value, by_driven: value * value, by_parameters: [1.0 / (left * left)] }
-    })
+    drag(Direction::of(law_inputs[0], p[1]), law_inputs[1], p[2], |driven| equal_share(p[0], driven))
+}
+
+/// The drag as a share of the contact torque, where either side loses `fraction` of what enters.
+pub(super) fn equal_share(fraction: f64, driven: f64) -> Share<1> {
+    let left = 1.0 - fraction * driven;
+    let value = fraction / left;
+    Share { value, by_driven: value * value, by_parameters: [1.0 / (left * left)] }
+}
+
+/// The direction in which the flanks slide, -1 to 1, and its derivatives by the law's first input and by the width of its transition.
+pub(super) struct Direction {
+    pub(super) sign: f64,
+    pub(super) by_input: f64,
+    pub(super) by_width: f64,
+}
+
+impl Direction {
+    /// The sign of a speed, over a transition speed.
+    pub(super) fn of(speed: f64, transition: f64) -> Self {
+        let (sign, by_input, by_width) = shape::sign(speed, transition);
+        Self { sign, by_input, by_width }
+    }
 }
 
 /// The drag of a mesh as a share of its contact torque, with its derivatives by `driven` (see [`drag`]) and by the law's own parameters.
@@ -72,16 +90,15 @@ pub(super) struct Share<const N: usize> {
     pub(super) by_parameters: [f64; N],
 }
 
-/// The drag of a mesh at a speed and a contact torque. `share` is called with 0 while the fast side drives and 1 while the slow side does.
-/// The two transitions, of speed and torque, are the law's last parameters.
+/// The drag of a mesh that slides in a direction under a contact torque. `share` is called with 0 while the fast side drives and 1 while the
+/// slow side does. After its own parameters the law has the width of the direction's transition and the transition torque.
 pub(super) fn drag<const N: usize>(
-    law_inputs: &[f64],
-    transitions: [f64; 2],
+    Direction { sign, by_input, by_width }: Direction,
+    torque: f64,
+    transition: f64,
     share: impl FnOnce(f64) -> Share<N>,
 ) -> Response {
-    let (sign, bend, by_width) = shape::sign(law_inputs[0], transitions[0]);
-    let torque = law_inputs[1];
-    let (turn, turn_bend, by_transition) = shape::sign(torque, transitions[1]);
+    let (turn, turn_bend, by_transition) = shape::sign(torque, transition);
     // |torque|, rounded over the transition torque.
     let size = torque * turn;
     let Share { value, by_driven, by_parameters } = share(0.5 * (1.0 - sign * turn));
@@ -89,7 +106,7 @@ pub(super) fn drag<const N: usize>(
     let by_turn = torque * value - 0.5 * size * sign * by_driven;
     let mut response = shape::response(
         -size * value * sign,
-        &[-by_sign * bend, -sign * (turn * value + by_turn * turn_bend)],
+        &[-by_sign * by_input, -sign * (turn * value + by_turn * turn_bend)],
         &by_parameters.map(|by_parameter| -size * sign * by_parameter),
     );
     response.by_parameter[N] = -by_sign * by_width;

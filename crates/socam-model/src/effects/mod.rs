@@ -16,6 +16,7 @@ mod definition;
 mod direction_dependence;
 mod direction_gain;
 mod discrepancy;
+mod drive_limit;
 mod driving_side;
 mod effect;
 pub mod experiment;
@@ -29,8 +30,10 @@ mod localisation;
 #[cfg(test)]
 pub(crate) mod meanings;
 mod mesh_loss;
+mod mesh_presliding;
 mod missing_compliance;
 mod missing_inertia;
+mod mounting_compliance;
 mod own;
 mod places;
 mod presliding;

@@ -46,6 +46,8 @@ pub enum Places {
     /// The driving machine: nodes on which an input acts with a torque. Where an input prescribes a node's motion, the nodes with an inertia
     /// at the other end of that node's springs.
     Driven,
+    /// The first node of the driving machine, in a model in which no input prescribes a motion.
+    DrivenOnAFrame,
     /// Nodes whose motion no input prescribes.
     Free,
     /// Output channels.

@@ -150,7 +150,7 @@ pub(super) const STRIBECK: Effect = Effect {
 };
 
 /// Speed, rad/s (m/s), over which the corner of |w| at standstill is rounded.
-const TRANSITION: EffectParameter =
+pub(super) const TRANSITION: EffectParameter =
     EffectParameter::usual("transition_speed", QuantityKind::Speed, (5e-3, 2e-4));
 
 /// Start deflections, rad; for translation in units of 0.01 m.
@@ -160,10 +160,10 @@ const DEFLECTIONS: [f64; 3] = [1e-4, 1e-3, 1e-2];
 const RESTS: f64 = 0.02;
 
 /// Model discrepancy of the deflection.
-const BENT: Discrepancy =
+pub(super) const BENT: Discrepancy =
     Discrepancy::share("deflection", 1e-3, "assumed: no machine follows a law better than to 0.1 %");
 
-fn deflections(rig: &Rig) -> [f64; 3] {
+pub(super) fn deflections(rig: &Rig) -> [f64; 3] {
     DEFLECTIONS.map(|deflection| if rig.rotational { deflection } else { 0.01 * deflection })
 }
 
@@ -177,7 +177,7 @@ fn with_deflections(rig: &Rig, starts: Vec<Values>) -> Vec<Values> {
 }
 
 /// Starts of the deflection where a law with presliding replaces one without: the fitted deflection if there is one, else a grid.
-fn giving(rig: &Rig, fitted: &FittedValues<'_>) -> Vec<Values> {
+pub(super) fn giving(rig: &Rig, fitted: &FittedValues<'_>) -> Vec<Values> {
     let known = fitted.get("deflection");
     if known.is_finite() {
         return vec![vec![("deflection", known)]];
@@ -185,7 +185,7 @@ fn giving(rig: &Rig, fitted: &FittedValues<'_>) -> Vec<Values> {
     deflections(rig).map(|deflection| vec![("deflection", deflection)]).to_vec()
 }
 
-fn deflection(rig: &Rig) -> (&'static str, Prior) {
+pub(super) fn deflection(rig: &Rig) -> (&'static str, Prior) {
     let unit = if rig.rotational { 1.0 } else { 0.01 };
     let source = "presliding in the literature: 1 to 100 um at the contact, which are 1e-4 to 1e-2 rad at the radius of a bearing";
     ("deflection", Prior::log_normal([1e-3 * unit, 5.0], (1e-6 * unit, 0.3 * unit), source))

@@ -30,8 +30,9 @@ const ROUNDING: f64 = 1e-3;
 
 fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
     let kept = shape::clip(law_inputs[0], p[0], ROUNDING * p[0]);
-    // The width of the corners moves with the limit, which the derivative leaves out: 1e-3 of it, at the corners only.
-    shape::response(kept.value - law_inputs[0], &[kept.by_x - 1.0], &[kept.by_half])
+    // The limited value is homogeneous in command and limit, of which the corners' width is a share.
+    let by_limit = (kept.value - law_inputs[0] * kept.by_x) / p[0];
+    shape::response(kept.value - law_inputs[0], &[kept.by_x - 1.0], &[by_limit])
 }
 
 #[cfg(test)]

@@ -39,6 +39,8 @@ pub(super) struct Assembly<'m> {
     pub(super) lever: Vec<Scalar>,
     /// Motion of each group as a row over the groups with a coordinate, see [`mix_groups`].
     mixed: Vec<Jet>,
+    /// Group of the frame on which the machine stands, where an effect lets it move. All other coordinates are relative to it.
+    pub(super) frame: Option<usize>,
     pub(super) inertia: Jet,
     pub(super) damping: Jet,
     pub(super) stiffness: Jet,
@@ -50,7 +52,11 @@ pub(super) struct Assembly<'m> {
 
 impl<'m> Assembly<'m> {
     pub(super) fn new(model: &'m Model, values: &'m [f64], wrt: &'m [usize]) -> Result<Self, ModelError> {
-        let (group, lever, groups) = tie_nodes(model, values, wrt)?;
+        let (group, lever, tied) = tie_nodes(model, values, wrt)?;
+        // The frame's coordinate is the last: it holds no node.
+        let frame =
+            model.effects.iter().any(|used| matches!(used.effect.form, Form::Mounting)).then_some(tied);
+        let groups = tied + usize::from(frame.is_some());
         let mixed = mix_groups(model, values, wrt, (&group, &lever, groups))?;
         let empty = Jet::zeros(groups, groups, wrt.len());
         let mut assembly = Self {
@@ -60,6 +66,7 @@ impl<'m> Assembly<'m> {
             group,
             lever,
             mixed,
+            frame,
             inertia: empty.clone(),
             damping: empty.clone(),
             stiffness: empty,
@@ -80,6 +87,15 @@ impl<'m> Assembly<'m> {
     /// Row that gives the motion of a node from the motions of the groups (1 x groups).
     pub(super) fn node_row(&self, node: usize) -> Jet {
         self.mixed[self.group[node]].scaled(&self.lever[node])
+    }
+
+    /// [`Self::node_row`] seen from the ground.
+    pub(super) fn absolute_row(&self, node: usize) -> Jet {
+        let mut row = self.node_row(node);
+        if let Some(frame) = self.frame {
+            row.add_at(0, frame, &Scalar::constant(1.0, self.wrt.len()));
+        }
+        row
     }
 
     /// Whether the coordinate of a group moves a node.
@@ -109,7 +125,7 @@ impl<'m> Assembly<'m> {
             _ => None,
         });
         for (node, inertia) in own.chain(more).collect::<Vec<_>>() {
-            let term = quadratic(&self.node_row(node), self.scalar(inertia));
+            let term = quadratic(&self.absolute_row(node), self.scalar(inertia));
             self.inertia.add_block(0, 0, &term);
         }
         for spring in &model.springs {
@@ -129,9 +145,25 @@ impl<'m> Assembly<'m> {
             let damping = self.torque_per_volt(motor).times(&self.scalar(motor.back_emf));
             self.damping.add_block(0, 0, &quadratic(&self.node_row(motor.node), damping));
         }
+        self.add_frame();
         if let Some((row, proportional, derivative)) = self.servo_terms() {
             self.stiffness.add_block(0, 0, &quadratic(&row, proportional));
             self.damping.add_block(0, 0, &quadratic(&row, derivative));
+        }
+    }
+
+    fn add_frame(&mut self) {
+        let Some(frame) = self.frame else { return };
+        let mounted = self.model.effects.iter().filter(|used| matches!(used.effect.form, Form::Mounting));
+        for used in mounted {
+            let constant = |value: f64| Scalar::constant(value, self.wrt.len());
+            let [stiffness, frequency, damping_ratio] =
+                [0, 1, 2].map(|index| self.scalar(used.parameters[index]));
+            let natural = frequency.times(&constant(std::f64::consts::TAU));
+            let relaxation = constant(2.0).times(&damping_ratio).over(&natural);
+            self.damping.add_at(frame, frame, &stiffness.times(&relaxation));
+            self.inertia.add_at(frame, frame, &stiffness.over(&natural.times(&natural)));
+            self.stiffness.add_at(frame, frame, &stiffness);
         }
     }
 

@@ -44,6 +44,9 @@ impl Assembly<'_> {
         if !self.is_free(group) {
             return Class::Mixed;
         }
+        if self.frame == Some(group) {
+            return Class::Massive;
+        }
         let members = || (0..model.nodes.len()).filter(|node| self.moves(group, *node));
         let adds_inertia = |node: usize| {
             let mut effects = model.effects.iter();

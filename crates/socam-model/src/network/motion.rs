@@ -173,6 +173,10 @@ impl<'a, 'm> MotionMaps<'a, 'm> {
         if self.a.inertia.select(&self.massive, prescribed).value.iter().all(|shared| *shared == 0.0) {
             return Ok(());
         }
+        if self.a.frame.is_some() {
+            let problem = "a mounting that gives way needs torques as inputs: the reaction of a prescribed motion depends on the acceleration of the input";
+            return Err(ModelError::Network(problem.to_owned()));
+        }
         let names = self.a.model.differentials.iter().map(|differential| differential.name.as_str());
         Err(ModelError::Network(format!(
             "{} couples the inertia of a node whose speed is an input to one that moves freely; give the torques of both as inputs, the speeds of both, or a spring behind the differential",

@@ -36,7 +36,9 @@ impl MotionMaps<'_, '_> {
                 Ok(row.times(&self.velocity))
             }
             Quantity::Angle => Ok(row.times(&self.angle)),
-            Quantity::Acceleration if self.is_massive(node) => Ok(row.times(&self.acceleration)),
+            Quantity::Acceleration if self.is_massive(node) => {
+                Ok(self.a.absolute_row(node).times(&self.acceleration))
+            }
             Quantity::Acceleration => Err(ModelError::Network(format!(
                 "channel {} measures an acceleration, so {} must have an inertia",
                 channel.name, model.nodes[node].name
@@ -181,7 +183,7 @@ impl MotionMaps<'_, '_> {
                         reading.add_at(0, later, &constant(-2.0 * p / q));
                     }
                 }
-                Form::Laws(_) | Form::Inertia | Form::Compliance | Form::Gain => {}
+                Form::Laws(_) | Form::Inertia | Form::Compliance | Form::Mounting | Form::Gain => {}
             }
         }
         reading

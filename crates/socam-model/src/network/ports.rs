@@ -11,7 +11,7 @@ pub(super) fn states_of(used: &EffectUse) -> usize {
         Form::Laws(laws) => laws.iter().filter(|law| law.acts == Acts::State).count(),
         Form::Lag => 1,
         Form::Delay => 2 * sensor_delay::SECTIONS.len(),
-        Form::Inertia | Form::Compliance | Form::Gain => 0,
+        Form::Inertia | Form::Compliance | Form::Mounting | Form::Gain => 0,
     }
 }
 

@@ -35,6 +35,10 @@ impl Assembly<'_> {
             return None;
         }
         let mut mode: Vec<Option<Scalar>> = vec![None; self.class.len()];
+        // The frame stays where it is.
+        if let Some(frame) = self.frame {
+            mode[frame] = Some(Scalar::constant(0.0, self.wrt.len()));
+        }
         mode[root] = Some(Scalar::constant(1.0, self.wrt.len()));
         for _ in 0..self.class.len() {
             for spring in &self.model.springs {

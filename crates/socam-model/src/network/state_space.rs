@@ -66,7 +66,7 @@ impl MotionMaps<'_, '_> {
     fn state_names(&self) -> Vec<String> {
         let name = |group: &usize| {
             let node = self.a.group.iter().position(|candidate| candidate == group);
-            node.map_or_else(String::new, |node| self.a.model.nodes[node].name.clone())
+            node.map_or_else(|| "the frame".to_owned(), |node| self.a.model.nodes[node].name.clone())
         };
         let kind = if self.a.reference == Reference::Ground { "angle of" } else { "wind-up of" };
         let angles = self.angles.iter().map(|group| format!("{kind} {}", name(group)));

@@ -270,7 +270,7 @@ pub(crate) const MISTAKES: &[[&str; 4]] = &[
         "unknown effect",
         "[channels.motor_torque]",
         "[[effects]]\neffect = \"coulomb\"\nat = \"load_bearing\"\nparameters = { torque = \"T_c\" }\n[channels.motor_torque]",
-        "line 40: there is no effect \"coulomb\" (is `coulomb_friction` meant?); effects are coulomb_friction, stribeck_friction, quadratic_drag, damping_drift, direction_dependence, velocity_weakening, constant_load, mesh_loss, backlash, kinematic_error, stiffness_hardening, hysteresis, missing_compliance, missing_inertia, coupling_slip, gravity_unbalance, external_disturbance, torque_ripple, sensor_gain, sensor_offset, sensor_lag, sensor_delay, sensor_saturation, sensor_fold, direction_gain, sensor_hum, sensor_ripple",
+        "line 40: there is no effect \"coulomb\" (is `coulomb_friction` meant?); effects are coulomb_friction, stribeck_friction, quadratic_drag, damping_drift, direction_dependence, velocity_weakening, constant_load, mesh_loss, backlash, kinematic_error, stiffness_hardening, hysteresis, missing_compliance, missing_inertia, mounting_compliance, coupling_slip, gravity_unbalance, external_disturbance, torque_ripple, sensor_gain, sensor_offset, sensor_lag, sensor_delay, sensor_saturation, drive_limit, sensor_fold, direction_gain, sensor_hum, sensor_ripple",
     ],
     [
         "effect at the wrong kind of place",

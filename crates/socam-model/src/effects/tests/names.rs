@@ -102,7 +102,7 @@ fn rows(text: &str) -> Vec<Row<'_>> {
 fn place(effect: &Effect) -> &'static str {
     match effect.places {
         Places::Load => "load",
-        Places::Driven => "driving machine",
+        Places::Driven | Places::DrivenOnAFrame => "driving machine",
         Places::Free => "free",
         Places::Inputs => "input",
         _ => effect.acts_at.noun().trim_start_matches("a "),
