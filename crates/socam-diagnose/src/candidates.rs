@@ -21,7 +21,12 @@ pub(crate) fn all(model: &Model, scales: &Scales) -> Vec<Candidate> {
     // Effects that are periodic in the angle need a rotating model.
     let turns = model.motion == Motion::Rotation;
     for effect in model.screened().filter(|effect| turns || !effect.is_by_turn()) {
-        for place in effect.places_in(model) {
+        // A law of the file's own that a diagnosis has put there is in the model.
+        let is_there = |place: &String| {
+            effect.is_own()
+                && model.effects.iter().any(|own| own.effect.id == effect.id && own.place == *place)
+        };
+        for place in effect.places_in(model).into_iter().filter(|place| !is_there(place)) {
             let starts = effect.starts_in(&scales.rig, &place);
             let speed = scales.rig.speed_at(effect.acts_at, &place);
             let with = |start| Candidate { speed, ..Candidate::new(effect, &place, start) };

@@ -53,6 +53,11 @@ pub enum JobError {
         /// What is wrong with it.
         source: ModelError,
     },
+    /// A robot's description in the place of a model file.
+    #[error(
+        "`{0}` is XML and no model file; where it describes a robot (URDF, MJCF, SDF), `import-model {0} --joint NAME` makes one of a joint"
+    )]
+    Description(String),
     /// A recording of another model.
     #[error("{problem}")]
     OtherModel {

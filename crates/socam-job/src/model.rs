@@ -60,7 +60,11 @@ impl ModelSettings {
 /// # Errors
 /// When there is no such model, or its file has a mistake.
 pub fn load_model(name: &str) -> Result<Model> {
-    Model::parse(&model_text(name)?).map_err(|source| JobError::ModelFile { name: name.into(), source })
+    let text = model_text(name)?;
+    if text.trim_start().starts_with('<') {
+        return Err(JobError::Description(name.into()));
+    }
+    Model::parse(&text).map_err(|source| JobError::ModelFile { name: name.into(), source })
 }
 
 /// The text of the model of this name, as a recording keeps it.

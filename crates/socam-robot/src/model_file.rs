@@ -13,6 +13,12 @@ const RANGE: f64 = 100.0;
 const TRANSITION_SHARE: f64 = 0.04;
 
 impl JointModel {
+    /// Name of the joint's node in [`Self::model_file`].
+    #[must_use]
+    pub fn node(&self) -> String {
+        plain(&self.name)
+    }
+
     /// The model as a file of schema `socam.model/1`. `description` is the name of the description's file.
     #[must_use]
     pub fn model_file(&self, description: &str) -> String {

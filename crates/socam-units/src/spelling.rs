@@ -5,10 +5,11 @@ use crate::table::Words;
 use crate::{Conversion, Product, Unit};
 
 /// Spellings that no rule covers, with their meanings.
-const ALIASES: [(&str, &str); 6] = [
+const ALIASES: [(&str, &str); 7] = [
     ("1/min", "rpm"),
     ("min^-1", "rpm"),
     ("r/min", "rpm"),
+    ("upm", "rpm"),
     ("ft lb", "lbf ft"),
     ("in lb", "lbf in"),
     ("-", "1"),
@@ -126,6 +127,7 @@ mod tests {
         for (text, unit, factor) in [
             ("rpm", Unit::RadPerS, TAU / 60.0),
             ("U/min", Unit::RadPerS, TAU / 60.0),
+            ("Upm", Unit::RadPerS, TAU / 60.0),
             ("1/min", Unit::RadPerS, TAU / 60.0),
             ("min-1", Unit::RadPerS, TAU / 60.0),
             ("min\u{207b}\u{b9}", Unit::RadPerS, TAU / 60.0),

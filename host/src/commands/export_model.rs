@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use socam_export::{Provenance, Target};
 use socam_model::{
     EffectUse, Model,
-    effects::{self, CONSTANT_LOAD, COULOMB_FRICTION, GRAVITY_UNBALANCE},
+    effects::{self, CONSTANT_LOAD, COULOMB_FRICTION, GRAVITY_UNBALANCE, LawInput},
 };
 
 use super::Outcome;
@@ -113,6 +113,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
 fn into_robot(args: &Args, path: &Path, model: &Model) -> anyhow::Result<Outcome> {
     let (robot, text) = super::import_model::open(path)?;
     let joint = robot.joint(args.joint.as_deref()).with_context(|| format!("`{}`", path.display()))?;
+    require_same_joint(args, path, model, &joint)?;
     let (corrections, others) = corrections(model, &joint)?;
     let (patched, left_out) = socam_robot::patch(&text, &joint.name, joint.behind.value, &corrections)
         .with_context(|| format!("`{}`", path.display()))?;
@@ -134,6 +135,29 @@ fn into_robot(args: &Args, path: &Path, model: &Model) -> anyhow::Result<Outcome
     Ok(Outcome::Done)
 }
 
+/// Refuses the numbers of one joint for another.
+fn require_same_joint(
+    args: &Args,
+    path: &Path,
+    model: &Model,
+    joint: &socam_robot::JointModel,
+) -> anyhow::Result<()> {
+    match model.nodes.as_slice() {
+        [node] if node.name != joint.node() => {
+            let problem = format!(
+                "`{}` is a model of `{}`, and `{}` of `{}` is another joint; name the model's own with --joint, or call the model's node `{}`",
+                args.model,
+                node.name,
+                joint.name,
+                path.display(),
+                joint.node()
+            );
+            Err(WrongArguments(problem).into())
+        }
+        _ => Ok(()),
+    }
+}
+
 /// The parameter of the dry friction at speed: of Coulomb friction, or of a law that takes its place.
 fn dry_friction(used: &EffectUse) -> Option<usize> {
     // A variant of a law has the law's id, and replaces that law alone.
@@ -143,6 +167,22 @@ fn dry_friction(used: &EffectUse) -> Option<usize> {
     let at = used.effect.parameters.iter().position(|parameter| parameter.name == "torque")?;
     is_dry.then_some(used.parameters[at])
 }
+
+/// The dry friction of a law of the file's own at speed, N m (N), where its other inputs are 0: what it takes either way, if that no longer
+/// changes with the speed.
+fn own_friction(model: &Model, used: &EffectUse) -> Option<f64> {
+    let ([law], true) = (used.effect.laws(), used.effect.is_own()) else { return None };
+    let values: Vec<f64> = used.parameters.iter().map(|index| model.parameters[*index].value).collect();
+    let torque = |speed: f64| {
+        let inputs = law.law_inputs.iter().map(|input| if *input == LawInput::Speed { speed } else { 0.0 });
+        law.evaluate(&inputs.collect::<Vec<f64>>(), &values).torque
+    };
+    let [slow, fast] = [FAST, 2.0 * FAST].map(|speed| 0.5 * (torque(-speed) - torque(speed)));
+    (fast > 0.0 && (fast - slow).abs() < 1e-3 * fast).then_some(fast)
+}
+
+/// A speed, rad/s (m/s), at which dry friction is that of motion.
+const FAST: f64 = 20.0;
 
 /// Whether a number is another but for its rounding in a file.
 fn is_same(a: f64, b: f64) -> bool {
@@ -165,7 +205,9 @@ fn corrections(
     let value = |index: usize| model.parameters[index].value;
     let sum = |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum());
     let damping = model.bearings.iter().filter_map(|bearing| bearing.damping).map(value).collect();
-    let friction: Vec<f64> = model.effects.iter().filter_map(dry_friction).map(value).collect();
+    let catalogued = model.effects.iter().filter_map(dry_friction).map(value);
+    let friction: Vec<f64> =
+        catalogued.chain(model.effects.iter().filter_map(|used| own_friction(model, used))).collect();
     let stiffness = model.springs.iter().map(|spring| value(spring.stiffness)).collect();
     let corrections = socam_robot::Corrections {
         inertia: node.inertia.map(value),
@@ -183,7 +225,13 @@ fn corrections(
     };
     let others = model.effects.iter().filter(|used| !is_held(used));
     let others = others.map(|used| {
-        let part = dry_friction(used).map_or("", |_| ", of which it takes the dry friction at speed alone");
+        let part = match (dry_friction(used), own_friction(model, used)) {
+            (Some(_), _) => ", of which it takes the dry friction at speed alone".to_owned(),
+            (_, Some(friction)) => format!(
+                ", of which it takes the dry friction at speed alone, {friction:.4} where all other inputs of the law are 0"
+            ),
+            _ => String::new(),
+        };
         format!("{} at {}{part}", used.effect.name, used.place)
     });
     let others = others.collect();

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use clap::ValueEnum;
 use socam_robot::{Controller, Robot, SysId};
 
@@ -147,7 +147,12 @@ pub(super) fn open(path: &Path) -> anyhow::Result<(Robot, String)> {
 }
 
 fn read(path: &Path) -> anyhow::Result<String> {
-    std::fs::read_to_string(path).with_context(|| format!("cannot read `{}`", path.display()))
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read `{}`", path.display()))?;
+    String::from_utf8(bytes).map_err(|_| {
+        let problem = "no description of a robot (URDF, MJCF, SDF) and no settings of a controller, which are text in UTF-8; \
+                       `import` reads recordings";
+        anyhow!("`{}`: {problem}", path.display())
+    })
 }
 
 fn parse(path: &Path, text: &str) -> anyhow::Result<Robot> {

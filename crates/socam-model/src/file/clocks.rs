@@ -39,8 +39,12 @@ pub(super) fn add_clocks(model: &mut Model) {
         let Some(input) = input.or(model.channels.first()) else { return };
         clocks.push(clock(input, "time", Quantity::Time, ChannelTransform::Elapsed));
     }
+    // Where an angle is measured the model's own angles are absolute, and a law takes its angle from them: a measured speed would feed the
+    // measurement into a free run, and would count from the start of each recording.
+    let is_absolute = model.outputs().any(|output| output.quantity == Quantity::Angle);
+    let measured = || tachometer(Role::Output).filter(|_| !is_absolute);
     if asks(LawInput::Angle)
-        && let Some(tachometer) = tachometer(Role::Input).or_else(|| tachometer(Role::Output))
+        && let Some(tachometer) = tachometer(Role::Input).or_else(measured)
     {
         // An input that is the rate of an encoder's column: the column itself is the turned angle, and needs no integration.
         let take = if tachometer.transform == ChannelTransform::Rate {
