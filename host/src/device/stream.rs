@@ -44,7 +44,11 @@ pub(super) fn find_board(ports: &[SerialPortInfo]) -> anyhow::Result<String> {
 
 pub(super) fn open_serial(path: &str) -> anyhow::Result<Box<dyn serialport::SerialPort>> {
     // USB CDC ignores the rate; a real UART needs one that carries the stream.
-    let opened = serialport::new(path, 921_600).timeout(READ_TIMEOUT).open();
+    open_serial_at(path, 921_600)
+}
+
+pub(super) fn open_serial_at(path: &str, baud: u32) -> anyhow::Result<Box<dyn serialport::SerialPort>> {
+    let opened = serialport::new(path, baud).timeout(READ_TIMEOUT).open();
     let mut port = opened
         .map_err(|error| anyhow!("cannot open the serial line {path}: {}", why_not_open(path, &error)))?;
     // Many USB stacks send nothing before the host raises this line.
