@@ -35,6 +35,8 @@ pub struct Row {
     pub number: Option<u64>,
     /// Time of arrival, ns of the host's clock.
     pub arrival_ns: i64,
+    /// The time within which it arrived, or between question and answer, ns.
+    pub spread_ns: i64,
     /// One value per channel in its SI unit, NaN where it is missing.
     pub values: Vec<f64>,
 }
@@ -72,6 +74,11 @@ pub trait Device: Send {
     /// When the device can no longer be used.
     fn poll(&mut self, _now_ns: i64, _out: &mut Vec<u8>) -> Result<Option<i64>> {
         Ok(None)
+    }
+
+    /// Whether anything is expected to arrive before the next call of [`Device::poll`].
+    fn awaits(&self) -> bool {
+        true
     }
 
     /// The link was interrupted: bytes of an unfinished message are dropped.

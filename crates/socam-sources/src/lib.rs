@@ -7,12 +7,19 @@
 //! | module | device |
 //! |---|---|
 //! | [`text`] | lines of text: CSV, `key:value`, JSON, as sent by an Arduino, a Pico or a script |
+//! | [`moteus`] | a moteus servo drive behind an fdcanusb |
+//! | [`odrive`] | an ODrive by its protocol of text |
+//! | [`simulators`] | simulations of these drives, for tests and rehearsals |
 //!
 //! Values are SI. Times are ns of one host clock that never goes back.
 
+mod asking;
 mod description;
 mod device;
 mod error;
+pub mod moteus;
+pub mod odrive;
+pub mod simulators;
 pub mod text;
 mod timeline;
 

@@ -158,8 +158,8 @@ impl Timeline {
         }
     }
 
-    /// Time and number of a row. `spread_ns`: the time within which it arrived.
-    pub fn place(&mut self, row: &Row, spread_ns: i64) -> Placed {
+    /// Time and number of a row.
+    pub fn place(&mut self, row: &Row) -> Placed {
         let Some(last) = self.last else {
             self.lags.restart(row.device_s, row.arrival_ns);
             return self.keep(row, 0, 0, false);
@@ -180,7 +180,7 @@ impl Timeline {
             }
             Step::By(step_ns) => {
                 if row.device_s.is_none() {
-                    self.arrival_spread_ns = self.arrival_spread_ns.max(spread_ns);
+                    self.arrival_spread_ns = self.arrival_spread_ns.max(row.spread_ns);
                 }
                 let passed = self.passed(row, last, step_ns);
                 self.keep(

@@ -43,7 +43,8 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "RUN.mcap", required_unless_present = "list_profiles")]
     output: Option<PathBuf>,
     /// Board: serial (the one on USB), serial:PATH, tcp:HOST:PORT, or sim (a virtual one). Lines of text of another device:
-    /// serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT
+    /// serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT. Drives, which are only asked: moteus:PATH?id=1 (an fdcanusb),
+    /// odrive:PATH?axis=0 (USB)
     #[arg(long, value_name = "DEVICE", required_unless_present = "list_profiles")]
     device: Option<Target>,
     #[command(flatten)]

@@ -19,6 +19,7 @@ use socam_sim::Setup;
 
 pub(crate) use in_process::{InProcess, Pace};
 pub(crate) use session::Session;
+pub(crate) use stream::is_board;
 use stream::{Stream, find_board, open_serial, open_tcp};
 use token::Token;
 

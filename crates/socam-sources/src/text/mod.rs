@@ -1,7 +1,7 @@
 //! Lines of text with numbers.
 
 mod form;
-mod lines;
+pub(crate) mod lines;
 mod probe;
 mod write;
 
@@ -16,7 +16,8 @@ use crate::timeline::Numbering;
 pub use form::Form;
 pub(crate) use form::read_form;
 use form::{Line, Value};
-use lines::{Bounds, Lines};
+pub use lines::Bounds;
+use lines::Lines;
 pub use probe::{Found, probe};
 
 /// Most lines of talk that are handed on.
@@ -37,11 +38,18 @@ pub struct TextDevice {
     talk: usize,
 }
 
+/// When a line arrived, and how exactly that is known.
+#[derive(Debug, Clone, Copy, Default)]
+struct Arrival {
+    at_ns: i64,
+    spread_ns: i64,
+}
+
 /// A row of which some lines have arrived.
 #[derive(Debug, Default)]
 struct Pending {
     values: Vec<Option<Value>>,
-    arrival_ns: i64,
+    at: Arrival,
     is_begun: bool,
 }
 
@@ -53,9 +61,9 @@ struct Unwrap {
 }
 
 impl TextDevice {
-    /// A device that sends what a description says. `is_datagrams`: each chunk ends a line, as packets of UDP do.
+    /// A device that sends what a description says, over a link with these bounds of lines.
     #[must_use]
-    pub fn new(description: Description, is_datagrams: bool) -> Self {
+    pub fn new(description: Description, bounds: Bounds) -> Self {
         let mut signals: Vec<String> =
             description.channels.iter().map(|channel| channel.signal.clone()).collect();
         signals.extend(description.clock.iter().map(|clock| clock.signal.clone()));
@@ -63,7 +71,7 @@ impl TextDevice {
         Self {
             form: Arc::new(description.form.clone()),
             channels: description.channels(),
-            lines: Lines::new(if is_datagrams { Bounds::Chunks } else { Bounds::Ends }),
+            lines: Lines::new(bounds),
             pending: Pending { values: vec![None; signals.len()], ..Pending::default() },
             unwraps: vec![Unwrap::default(); description.channels.len()],
             signals,
@@ -79,11 +87,11 @@ impl TextDevice {
         Some(clock.wrap? * clock.unit_s)
     }
 
-    fn line(&mut self, line: Result<&str, &'static str>, arrival_ns: i64, heard: &mut Vec<Heard>) {
+    fn line(&mut self, line: Result<&str, &'static str>, at: Arrival, heard: &mut Vec<Heard>) {
         let form = Arc::clone(&self.form);
         let read = line.and_then(|line| Ok((line, form.read(line)?)));
         match read {
-            Ok((_, Line::Values(values))) => self.take(&values, arrival_ns, heard),
+            Ok((_, Line::Values(values))) => self.take(&values, at, heard),
             Ok((line, Line::Talk)) => {
                 self.talk += 1;
                 if self.talk <= MOST_TALK {
@@ -99,7 +107,7 @@ impl TextDevice {
     }
 
     /// Takes the values of a line: a row, or a part of one where each signal has a line of its own.
-    fn take(&mut self, values: &[(Cow<'_, str>, Value)], arrival_ns: i64, heard: &mut Vec<Heard>) {
+    fn take(&mut self, values: &[(Cow<'_, str>, Value)], at: Arrival, heard: &mut Vec<Heard>) {
         let place = |name: &str| self.signals.iter().position(|signal| signal == name);
         let known: Vec<(usize, Value)> =
             values.iter().filter_map(|(name, value)| Some((place(name)?, *value))).collect();
@@ -112,7 +120,7 @@ impl TextDevice {
         }
         if !self.pending.is_begun {
             self.pending.is_begun = true;
-            self.pending.arrival_ns = arrival_ns;
+            self.pending.at = at;
         }
         for (place, value) in known {
             self.pending.values[place] = Some(value);
@@ -123,16 +131,16 @@ impl TextDevice {
     }
 
     fn emit(&mut self, heard: &mut Vec<Heard>) {
-        let arrival_ns = self.pending.arrival_ns;
+        let at = self.pending.at;
         let values = std::mem::replace(&mut self.pending.values, vec![None; self.signals.len()]);
         self.pending.is_begun = false;
-        match self.row(&values, arrival_ns) {
+        match self.row(&values, at) {
             Ok(row) => heard.push(Heard::Row(row)),
             Err(problem) => heard.push(Heard::Damaged(problem)),
         }
     }
 
-    fn row(&mut self, values: &[Option<Value>], arrival_ns: i64) -> Result<Row, &'static str> {
+    fn row(&mut self, values: &[Option<Value>], at: Arrival) -> Result<Row, &'static str> {
         let (channels, rest) = values.split_at(self.channels.len());
         let mut rest = rest.iter();
         let number = |value: &Option<Value>| match value {
@@ -168,7 +176,7 @@ impl TextDevice {
                     + channel.offset
             }));
         }
-        Ok(Row { device_s, number: counted, arrival_ns, values: row })
+        Ok(Row { device_s, number: counted, arrival_ns: at.at_ns, spread_ns: at.spread_ns, values: row })
     }
 }
 
@@ -208,7 +216,8 @@ impl Device for TextDevice {
 
     fn receive(&mut self, chunk: Chunk<'_>, heard: &mut Vec<Heard>) {
         let mut lines = std::mem::take(&mut self.lines);
-        lines.push(chunk, |line, arrival_ns| self.line(line, arrival_ns, heard));
+        let spread_ns = chunk.until_ns - chunk.from_ns;
+        lines.push(chunk, |line, at_ns| self.line(line, Arrival { at_ns, spread_ns }, heard));
         self.lines = lines;
     }
 

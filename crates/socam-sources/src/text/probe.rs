@@ -84,9 +84,9 @@ pub(super) enum Role {
 ///
 /// # Errors
 /// [`SourceError::Foreign`] when the bytes are no lines with numbers.
-pub fn probe(chunks: &[Chunk<'_>], is_datagrams: bool, take_guesses: bool) -> Result<Found> {
+pub fn probe(chunks: &[Chunk<'_>], bounds: Bounds, take_guesses: bool) -> Result<Found> {
     let mut lines: Vec<(String, i64)> = Vec::new();
-    let (mut reader, mut bad) = (Lines::new(if is_datagrams { Bounds::Chunks } else { Bounds::Ends }), 0);
+    let (mut reader, mut bad) = (Lines::new(bounds), 0);
     for chunk in chunks {
         reader.push(*chunk, |line, arrival_ns| match line {
             Ok(line) if lines.len() < MOST => lines.push((line.to_owned(), arrival_ns)),

@@ -25,7 +25,7 @@ fn rows(heard: &[Heard]) -> Vec<&Row> {
 
 #[test]
 fn columns_become_rows_in_si() {
-    let mut device = TextDevice::new(csv(), false);
+    let mut device = TextDevice::new(csv(), Bounds::Ends);
     // The beginning of the first line was not seen.
     let heard = hear(&mut device, b"9,5\nt,n,m\nready\n1,60,0.5\r\n2,120,\n3,nan,0.25\n");
     assert_eq!(heard[0], Heard::Talk("ready".into()));
@@ -49,11 +49,11 @@ fn damaged_lines_are_no_rows() {
         ",60,0.5",
         "1,6\u{fffd}0,0.5",
     ] {
-        let mut device = TextDevice::new(csv(), false);
+        let mut device = TextDevice::new(csv(), Bounds::Ends);
         let heard = hear(&mut device, format!("\n{line}\n").as_bytes());
         assert!(matches!(heard[..], [Heard::Damaged(_)]), "{line}: {heard:?}");
     }
-    let mut device = TextDevice::new(csv(), false);
+    let mut device = TextDevice::new(csv(), Bounds::Ends);
     assert_eq!(hear(&mut device, b"\n1,60,\xff0.5\n"), [Heard::Damaged("a line is no UTF-8 text")]);
     let long = [b"\n".to_vec(), b"1".repeat(100_000), b"\n1,60,0.5\n".to_vec()].concat();
     let heard = hear(&mut device, &long);
@@ -68,6 +68,17 @@ fn damaged_lines_are_no_rows() {
     assert!(matches!(&heard[..], [Heard::Damaged(_), Heard::Row(row)] if row.values[1] == 0.75), "{heard:?}");
 }
 
+/// Over TCP a header comes first; numbers whose beginning was not seen are no row.
+#[test]
+fn the_first_line_of_a_connection_is_believed_if_it_is_a_header() {
+    let lines: Vec<String> =
+        std::iter::once("t_ms,a_V\n".to_owned()).chain((0..50).map(|k| format!("{},1\n", 10 * k))).collect();
+    let found = probe(&chunks(&lines), Bounds::Connected, false).unwrap();
+    assert_eq!(found.description().unwrap().channels()[0].column_name(), "a_V");
+    let mut device = TextDevice::new(found.description().unwrap(), Bounds::Connected);
+    assert_eq!(rows(&hear(&mut device, b"0,1\n20,1\n")).len(), 1);
+}
+
 #[test]
 fn pairs_and_records_are_read() {
     let channels = "[channels.speed]\nsignal = \"speed\"\nunit = \"rad/s\"\n[channels.torque]\nsignal = \"torque\"\nunit = \"N m\"\n";
@@ -78,7 +89,7 @@ fn pairs_and_records_are_read() {
         "torque:0.25\tspeed:1.5\tother:3\n",
         ">speed:1.5\n>torque:0.25\n",
     ] {
-        let mut device = TextDevice::new(description("form = \"pairs\"", channels), false);
+        let mut device = TextDevice::new(description("form = \"pairs\"", channels), Bounds::Ends);
         let heard = hear(&mut device, format!("\n{text}").as_bytes());
         assert_eq!(
             rows(&heard).iter().map(|row| row.values.clone()).collect::<Vec<_>>(),
@@ -87,7 +98,7 @@ fn pairs_and_records_are_read() {
         );
     }
     let nested = "[channels.speed]\nsignal = \"motor.speed\"\nunit = \"rad/s\"\n[channels.torque]\nsignal = \"m.1\"\nunit = \"N m\"\n";
-    let mut device = TextDevice::new(description("form = \"json\"", nested), true);
+    let mut device = TextDevice::new(description("form = \"json\"", nested), Bounds::Chunks);
     let heard = hear(&mut device, br#"{"motor":{"speed":1.5},"m":[9,0.25],"name":"x"}"#);
     assert_eq!(rows(&heard)[0].values, [1.5, 0.25]);
     assert_eq!(
@@ -101,7 +112,7 @@ fn pairs_and_records_are_read() {
 #[test]
 fn an_encoder_that_begins_anew_goes_on() {
     let text = "[channels.angle]\nsignal = \"e\"\nunit = \"counts\"\ncounts_per_turn = 4096\nwrap = 65536\n";
-    let mut device = TextDevice::new(description("form = \"pairs\"", text), false);
+    let mut device = TextDevice::new(description("form = \"pairs\"", text), Bounds::Ends);
     let heard = hear(&mut device, b"\ne:65000\ne:500\ne:65500\n");
     let counts: Vec<f64> =
         rows(&heard).iter().map(|row| (row.values[0] * 4096.0 / std::f64::consts::TAU).round()).collect();
@@ -126,7 +137,7 @@ fn a_device_that_states_everything_needs_no_file() {
         .into_iter()
         .chain((0..100).map(line))
         .collect();
-    let found = probe(&chunks(&lines), false, false).unwrap();
+    let found = probe(&chunks(&lines), Bounds::Ends, false).unwrap();
     assert_eq!(found.unknown, [""; 0], "{}", found.text);
     let description = found.description().unwrap();
     assert_eq!(
@@ -137,11 +148,11 @@ fn a_device_that_states_everything_needs_no_file() {
     assert_eq!(description.channels()[0].column_name(), "motor_speed_rad_s");
     // The rest of the stream has no other time than the device says.
     let mut timeline = Timeline::new(Numbering::Numbered(0), None);
-    let mut device = TextDevice::new(description, false);
+    let mut device = TextDevice::new(description, Bounds::Ends);
     let (mut heard, mut last) = (Vec::new(), None);
     chunks(&lines).into_iter().for_each(|chunk| device.receive(chunk, &mut heard));
     for row in rows(&heard) {
-        last = Some(timeline.place(row, 0));
+        last = Some(timeline.place(row));
     }
     assert_eq!(last, Some(Placed::At { time_ns: 990_000_000, sequence: 99, jumped: false }));
 }
@@ -150,7 +161,7 @@ fn a_device_that_states_everything_needs_no_file() {
 fn what_a_device_does_not_state_is_asked() {
     let line = |k: usize| format!("{}\t{}\t{}\n", 7_000_000 + 10_000 * k, k % 7, 0.25 * k as f64);
     let lines: Vec<String> = (0..100).map(line).collect();
-    let found = probe(&chunks(&lines), false, false).unwrap();
+    let found = probe(&chunks(&lines), Bounds::Ends, false).unwrap();
     assert_eq!(found.unknown, ["the unit of `column_2`", "the unit of `column_3`"]);
     assert!(found.assumed[0].contains("`column_1` is the device's clock in us"), "{:?}", found.assumed);
     assert!(found.description().unwrap_err().to_string().contains("does not state the unit of `column_2`"));
@@ -159,7 +170,7 @@ fn what_a_device_does_not_state_is_asked() {
 
     let pair = |k: usize| format!("speed:{},torque:0.5,mode:3\n", k % 9);
     let lines: Vec<String> = (0..100).map(pair).collect();
-    let found = probe(&chunks(&lines), false, true).unwrap();
+    let found = probe(&chunks(&lines), Bounds::Ends, true).unwrap();
     assert_eq!(found.description().unwrap().channels.len(), 2, "{}", found.text);
     assert!(found.assumed.iter().any(|text| text.contains("`mode` is left out")), "{:?}", found.assumed);
 }
@@ -170,7 +181,7 @@ fn what_is_no_text_is_refused_in_one_sentence() {
         [&b"\xff\xfe\x01\n\x80\x80\n\x90\n"[..], b"hello\nworld\nagain\nand again\n", b"12345", b"\n\n\n"]
     {
         let chunk = Chunk { bytes, from_ns: 0, until_ns: 1_000_000_000 };
-        let sentence = probe(&[chunk], false, false).unwrap_err().to_string();
+        let sentence = probe(&[chunk], Bounds::Ends, false).unwrap_err().to_string();
         assert!(sentence.starts_with("none of the ") && !sentence.contains(". "), "{sentence}");
     }
 }
@@ -187,8 +198,8 @@ proptest! {
             description("form = \"json\"", "[channels.a]\nsignal = \"a\"\nunit = \"V\"\n"),
         ];
         for description in descriptions {
-            let mut whole = TextDevice::new(description.clone(), false);
-            let mut parts = TextDevice::new(description, false);
+            let mut whole = TextDevice::new(description.clone(), Bounds::Ends);
+            let mut parts = TextDevice::new(description, Bounds::Ends);
             let (first, second) = bytes.split_at(at.min(bytes.len()));
             let values = |heard: &[Heard]| -> Vec<String> {
                 heard.iter().map(|heard| match heard {
@@ -202,7 +213,7 @@ proptest! {
             prop_assert_eq!(one, values(&two));
         }
         let chunk = Chunk { bytes: &bytes, from_ns: 0, until_ns: 1_000_000_000 };
-        if let Ok(found) = probe(&[chunk], false, true) {
+        if let Ok(found) = probe(&[chunk], Bounds::Ends, true) {
             if found.unknown.is_empty() && found.text.contains("[channels") {
                 prop_assert!(found.description().is_ok(), "{}", found.text);
             }

@@ -7,6 +7,8 @@ use std::str::FromStr;
 use serde::Serialize;
 use socam_monitoring::Monitor;
 use socam_recording::{MACHINE_KEY, RecordingHeader};
+use socam_sources::moteus::Moteus;
+use socam_sources::odrive::Odrive;
 use socam_sources::text::{Found, TextDevice};
 use socam_sources::{ClockMap, Description, Device as _, SourceError, Timeline};
 
@@ -14,7 +16,7 @@ use super::{Args, attachment, now_unix_ns, watched};
 use crate::commands::Outcome;
 use crate::device::Device;
 use crate::device::source::{
-    Link, Listened, SourceAddress, SourceEnd, SourcePlan, SourceReport, listen, record,
+    Link, Listened, Protocol, SourceAddress, SourceEnd, SourcePlan, SourceReport, listen, record,
 };
 use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
@@ -46,13 +48,14 @@ impl FromStr for Target {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let is_other = ["text+", "udp:"].iter().any(|kind| text.starts_with(kind)) || text.contains("?baud=");
+        let is_other = ["text+", "udp:", "moteus:", "odrive:"].iter().any(|kind| text.starts_with(kind))
+            || text.contains("?baud=");
         if is_other {
             return text.parse().map(Self::Source);
         }
         let board = text.parse().map(Self::Board);
         board.map_err(|error: String| {
-            format!("{error}; or lines of text of another device: serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT")
+            format!("{error}; or another device: serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT, moteus:PATH?id=1, odrive:PATH?axis=0")
         })
     }
 }
@@ -80,10 +83,7 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
     let name = address.to_string();
     let mut link = Link::open(&address.place)?;
     let opened_unix_ns = now_unix_ns();
-    let heard = listen(&mut link, &name, &interrupt)?;
-    let description = description(&heard, &link, &args.source, &name)?;
-    let mut device = TextDevice::new(description.read.clone(), link.is_datagrams());
-    let timeline = Timeline::new(device.numbering(), device.clock_wrap_s());
+    let Opened { mut device, timeline, heard, description } = open(&mut link, args, address, &interrupt)?;
     let channels = device.channels().to_vec();
     let watch = watched.map(|(model, baseline)| {
         let monitor = Monitor::new(&model, &channels, baseline, args.watch.watching.settings())?;
@@ -92,14 +92,56 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
     let mut header = RecordingHeader::new(channels);
     header.planned_duration_s = args.record.duration_s;
     header.replace = args.force;
-    header.metadata = metadata(args, &name, &device, &timeline);
-    header.attachments.extend(attachment("device.toml", description.text));
+    header.metadata = metadata(args, &name, &*device, &timeline);
+    header.attachments.extend(description.into_iter().flat_map(|text| attachment("device.toml", text)));
     header.attachments.extend(attachment("model.toml", socam_job::model_text(&args.bench.model)?));
     let plan =
         SourcePlan { name, path: path.into(), opened_unix_ns, header, duration_s: args.record.duration_s };
-    let report = record(&mut link, &mut device, timeline, plan, heard, watch.transpose()?, &interrupt)?;
+    let report = record(&mut link, &mut *device, timeline, plan, heard, watch.transpose()?, &interrupt)?;
     tell(path, &report, args.json)?;
     outcome(path, &report)
+}
+
+/// A device that is ready to be recorded.
+struct Opened {
+    device: Box<dyn socam_sources::Device>,
+    timeline: Timeline,
+    heard: Listened,
+    /// Text of its description, if it has one.
+    description: Option<String>,
+}
+
+/// Makes the protocol of a device; a device of text is listened to first.
+fn open(
+    link: &mut Link,
+    args: &Args,
+    address: &SourceAddress,
+    interrupt: &Interrupt,
+) -> anyhow::Result<Opened> {
+    let name = address.to_string();
+    let period_ns = i64::from(args.record.period_us()?) * 1000;
+    let asked: Box<dyn socam_sources::Device> = match address.protocol {
+        Protocol::Moteus(id) => Box::new(Moteus::new(id, period_ns)?),
+        Protocol::Odrive(axis) => Box::new(Odrive::new(axis, period_ns)?),
+        Protocol::Text => {
+            let heard = listen(link, &name, interrupt)?;
+            let description = description(&heard, link, &args.source, &name)?;
+            let device = TextDevice::new(description.read, link.bounds());
+            let timeline = Timeline::new(device.numbering(), device.clock_wrap_s());
+            return Ok(Opened {
+                device: Box::new(device),
+                timeline,
+                heard,
+                description: Some(description.text),
+            });
+        }
+    };
+    if args.source.describe.is_some() || args.source.accept_guesses {
+        let problem = "--describe and --accept-guesses are for devices that send lines of text; a drive states its units";
+        return Err(WrongArguments(problem.into()).into());
+    }
+    let timeline = Timeline::new(asked.numbering(), None);
+    Ok(Opened { device: asked, timeline, heard: Listened(Vec::new()), description: None })
 }
 
 /// Options that only the own board, or a virtual bench, understands.
@@ -126,13 +168,13 @@ struct Described {
 
 /// The description of a file, or of what was heard; a file that is missing is written.
 fn description(heard: &Listened, link: &Link, args: &SourceArgs, name: &str) -> anyhow::Result<Described> {
-    let is_datagrams = link.is_datagrams();
+    let bounds = link.bounds();
     if let Some(file) = args.describe.as_deref().filter(|file| file.exists()) {
         let read = Description::open(file)?;
-        heard.check(&read, is_datagrams)?;
+        heard.check(&read, bounds)?;
         return Ok(Described { read, text: socam_recording::read_text(file)? });
     }
-    let found = heard.probe(is_datagrams, args.accept_guesses);
+    let found = heard.probe(bounds, args.accept_guesses);
     let found = found.map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
     let read = found.description();
     if let Some(file) = &args.describe {
@@ -141,7 +183,7 @@ fn description(heard: &Listened, link: &Link, args: &SourceArgs, name: &str) -> 
     }
     match read {
         Ok(read) => {
-            heard.check(&read, is_datagrams)?;
+            heard.check(&read, bounds)?;
             say_found(&found);
             Ok(Described { read, text: found.text })
         }
@@ -163,7 +205,12 @@ fn say_found(found: &Found) {
     }
 }
 
-fn metadata(args: &Args, name: &str, device: &TextDevice, timeline: &Timeline) -> BTreeMap<String, String> {
+fn metadata(
+    args: &Args,
+    name: &str,
+    device: &dyn socam_sources::Device,
+    timeline: &Timeline,
+) -> BTreeMap<String, String> {
     let mut metadata = BTreeMap::from([
         ("device".to_owned(), name.to_owned()),
         ("device_kind".to_owned(), device.kind()),

@@ -12,6 +12,10 @@ const BAUD: u32 = 115_200;
 pub(crate) enum Protocol {
     /// Lines of text.
     Text,
+    /// The moteus of this number, behind an fdcanusb.
+    Moteus(u8),
+    /// This axis of an ODrive.
+    Odrive(u8),
 }
 
 /// The other end of a link.
@@ -49,6 +53,15 @@ impl FromStr for SourceAddress {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (kind, rest) = text.split_once(':').ok_or("expected a colon")?;
+        let drive = |key, default, of: fn(u8) -> Protocol| {
+            let (path, number) = drive(rest, key, default)?;
+            Ok(Self { protocol: of(number), place: Place::Serial(path, BAUD) })
+        };
+        match kind {
+            "moteus" => return drive("id", 1, Protocol::Moteus),
+            "odrive" => return drive("axis", 0, Protocol::Odrive),
+            _ => {}
+        }
         let place = match kind {
             "text+serial" => serial(rest)?,
             "serial" if rest.contains("?baud=") => serial(rest)?,
@@ -75,6 +88,21 @@ fn serial(text: &str) -> Result<Place, String> {
     Ok(Place::Serial(path.into(), rate))
 }
 
+/// The path of a drive's line, and its number: `/dev/ttyACM0?id=1`.
+fn drive(text: &str, key: &str, default: u8) -> Result<(String, u8), String> {
+    let (path, number) = match text.split_once('?') {
+        Some((path, option)) => {
+            let number = option.strip_prefix(key).and_then(|rest| rest.strip_prefix('=')?.parse().ok());
+            (path, number.ok_or(format!("`?{option}` is not understood; expected ?{key}={default}"))?)
+        }
+        None => (text, default),
+    };
+    if path.is_empty() {
+        return Err(format!("the path of the drive's line is missing, as in /dev/ttyACM0?{key}={default}"));
+    }
+    Ok((path.to_owned(), number))
+}
+
 fn host_and_port(text: &str) -> Result<String, String> {
     let port = text.rsplit_once(':').and_then(|(_, port)| port.parse::<u16>().ok());
     if port.is_none() {
@@ -95,6 +123,10 @@ impl std::fmt::Display for Place {
 
 impl std::fmt::Display for SourceAddress {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.place.fmt(f)
+        match (self.protocol, &self.place) {
+            (Protocol::Moteus(id), Place::Serial(path, _)) => write!(f, "moteus:{path}?id={id}"),
+            (Protocol::Odrive(axis), Place::Serial(path, _)) => write!(f, "odrive:{path}?axis={axis}"),
+            (_, place) => place.fmt(f),
+        }
     }
 }

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use socam_sources::Chunk;
+use socam_sources::text::Bounds;
 
 use super::address::Place;
 use crate::device::stream::{READ_TIMEOUT, Stream, open_serial_at, open_tcp};
@@ -25,11 +26,6 @@ impl Arrived {
     /// The bytes as a device takes them.
     pub(crate) fn chunk(&self) -> Chunk<'_> {
         Chunk { bytes: &self.bytes, from_ns: self.from_ns, until_ns: self.until_ns }
-    }
-
-    /// The time within which they arrived, ns.
-    pub(crate) fn spread_ns(&self) -> i64 {
-        self.until_ns - self.from_ns
     }
 }
 
@@ -57,9 +53,13 @@ impl Link {
         Ok(Self { place: place.clone(), open, begin: Instant::now(), last_ns: 0, buffer, strangers: 0 })
     }
 
-    /// Whether each read is a whole message.
-    pub(crate) fn is_datagrams(&self) -> bool {
-        matches!(self.place, Place::Udp(_))
+    /// Where lines of text begin and end.
+    pub(crate) fn bounds(&self) -> Bounds {
+        match self.place {
+            Place::Serial(..) => Bounds::Ends,
+            Place::Tcp(_) => Bounds::Connected,
+            Place::Udp(_) => Bounds::Chunks,
+        }
     }
 
     /// Time since the link was opened first, ns.

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use anyhow::bail;
-use socam_sources::text::{Found, TextDevice, probe};
+use socam_sources::text::{Bounds, Found, TextDevice, probe};
 use socam_sources::{Description, Device, Heard};
 
 use super::link::{Arrived, Link};
@@ -52,14 +52,14 @@ pub(crate) fn listen(link: &mut Link, name: &str, interrupt: &Interrupt) -> anyh
 
 impl Listened {
     /// What the device sends, as far as it states it.
-    pub(crate) fn probe(&self, is_datagrams: bool, take_guesses: bool) -> socam_sources::Result<Found> {
+    pub(crate) fn probe(&self, bounds: Bounds, take_guesses: bool) -> socam_sources::Result<Found> {
         let chunks: Vec<_> = self.0.iter().map(Arrived::chunk).collect();
-        probe(&chunks, is_datagrams, take_guesses)
+        probe(&chunks, bounds, take_guesses)
     }
 
     /// Checks a description against what was heard: there are rows, and the device's clock has the stated unit.
-    pub(crate) fn check(&self, description: &Description, is_datagrams: bool) -> anyhow::Result<()> {
-        let mut device = TextDevice::new(description.clone(), is_datagrams);
+    pub(crate) fn check(&self, description: &Description, bounds: Bounds) -> anyhow::Result<()> {
+        let mut device = TextDevice::new(description.clone(), bounds);
         let mut heard = Vec::new();
         self.0.iter().for_each(|arrived| device.receive(arrived.chunk(), &mut heard));
         let rows: Vec<_> = heard

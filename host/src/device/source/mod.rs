@@ -5,7 +5,7 @@ mod link;
 mod listen;
 mod run;
 
-pub(crate) use address::SourceAddress;
+pub(crate) use address::{Protocol, SourceAddress};
 pub(crate) use link::Link;
 pub(crate) use listen::{Listened, listen};
 pub(crate) use run::{SourceEnd, SourcePlan, SourceReport, record};

@@ -1,6 +1,7 @@
 //! Records a source: its rows in their order, until it ends, is stopped, or is gone.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use anyhow::bail;
 use indicatif::ProgressBar;
@@ -18,7 +19,7 @@ const STATUS_EVERY_NS: i64 = 1_000_000_000;
 /// Longest time for which a device may be gone or silent.
 const GONE_NS: i64 = 10_000_000_000;
 /// Interval at which a link that broke is opened again.
-const REOPEN_EVERY: std::time::Duration = std::time::Duration::from_millis(200);
+const REOPEN_EVERY: Duration = Duration::from_millis(200);
 /// Most events of one kind; a device must not fill the recording with them.
 const MOST_EVENTS: u32 = 100;
 
@@ -138,9 +139,14 @@ impl Run<'_> {
                     outgoing.clear();
                 }
             }
+            if let (false, Some(due_ns)) = (self.device.awaits(), poll_ns) {
+                std::thread::sleep(Duration::from_nanos((due_ns - link.now_ns()).max(0) as u64));
+                continue;
+            }
             match link.read() {
                 Ok(Some(arrived)) => {
                     heard_ns = link.now_ns();
+                    poll_ns = poll_ns.map(|_| heard_ns);
                     self.take(&arrived)?;
                 }
                 Ok(None) if link.now_ns() - heard_ns > GONE_NS => {
@@ -175,9 +181,7 @@ impl Run<'_> {
         for one in heard {
             match one {
                 Heard::Row(row) if !self.is_over => {
-                    let Placed::At { time_ns, sequence, jumped } =
-                        self.timeline.place(&row, arrived.spread_ns())
-                    else {
+                    let Placed::At { time_ns, sequence, jumped } = self.timeline.place(&row) else {
                         continue;
                     };
                     let planned_ns = self.plan.duration_s.map_or(i64::MAX, |s| (s * 1e9) as i64);
