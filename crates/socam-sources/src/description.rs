@@ -97,13 +97,17 @@ impl Description {
                 return Err(SettingsError::at(channel.line, message).into());
             }
         }
-        let Form::Csv { names, .. } = &self.form else { return Ok(()) };
+        let names: Vec<&str> = match &self.form {
+            Form::Csv { names, .. } => names.iter().map(String::as_str).collect(),
+            Form::Frames(layout) => layout.fields.iter().map(|(name, _)| name.as_str()).collect(),
+            Form::Pairs | Form::Json => return Ok(()),
+        };
         let used = self.channels.iter().map(|channel| (&channel.signal, channel.line));
         let others =
             self.clock.iter().map(|clock| &clock.signal).chain(self.number.iter().map(|number| &number.0));
         for (signal, line) in used.chain(others.map(|signal| (signal, 1))) {
-            if !names.contains(signal) {
-                let message = format!("`{signal}` is none of the `names` of [lines]: {}", names.join(", "));
+            if !names.contains(&signal.as_str()) {
+                let message = format!("`{signal}` is none of the names in [lines]: {}", names.join(", "));
                 return Err(SettingsError::at(line, message).into());
             }
         }

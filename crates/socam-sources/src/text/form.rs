@@ -6,6 +6,8 @@ use serde_json::Value as Json;
 use socam_import::parts::{Content, content, record};
 use socam_recording::Fields;
 
+use super::frames::{Layout, read_layout};
+
 /// Form of the lines of a device.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Form {
@@ -22,6 +24,8 @@ pub enum Form {
     Pairs,
     /// A JSON record; members of members are named `a.b`.
     Json,
+    /// No line, but a frame of bytes.
+    Frames(Layout),
 }
 
 /// A value in a line.
@@ -56,9 +60,10 @@ const SEPARATORS: [(&str, u8); 5] = [(",", b','), (";", b';'), ("tab", b'\t'), (
 
 /// Reads the table `[lines]` of a description.
 pub(crate) fn read_form(fields: &mut Fields<'_>) -> Form {
-    match fields.choice("form", &[("csv", 0), ("pairs", 1), ("json", 2)]) {
+    match fields.choice("form", &[("csv", 0), ("pairs", 1), ("json", 2), ("frames", 3)]) {
         1 => Form::Pairs,
         2 => Form::Json,
+        3 => Form::Frames(read_layout(fields)),
         _ => {
             let separator = fields.maybe_choice("separator", &SEPARATORS).unwrap_or(b',');
             let decimal_comma = fields.maybe_choice("decimal", &[(".", false), (",", true)]).unwrap_or(false);
@@ -90,6 +95,7 @@ impl Form {
             Self::Csv { .. } => "lines of numbers in columns",
             Self::Pairs => "lines of names and numbers",
             Self::Json => "lines of JSON",
+            Self::Frames(_) => "frames of bytes",
         }
     }
 
@@ -99,6 +105,7 @@ impl Form {
             Self::Csv { separator, decimal_comma, names } => columns(line, *separator, *decimal_comma, names),
             Self::Pairs => pairs(line),
             Self::Json => json(line),
+            Self::Frames(_) => Err("a line stands in the place of a frame"),
         }
     }
 }

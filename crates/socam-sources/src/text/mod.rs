@@ -1,6 +1,7 @@
-//! Lines of text with numbers.
+//! Messages that a description explains: lines of text with numbers, and frames of bytes.
 
 mod form;
+mod frames;
 pub(crate) mod lines;
 mod probe;
 mod write;
@@ -16,6 +17,8 @@ use crate::timeline::Numbering;
 pub use form::Form;
 pub(crate) use form::read_form;
 use form::{Line, Value};
+use frames::Frames;
+pub use frames::{Checksum, Layout, Number};
 pub use lines::Bounds;
 use lines::Lines;
 pub use probe::{Found, probe};
@@ -30,6 +33,7 @@ pub struct TextDevice {
     form: Arc<Form>,
     channels: Vec<Channel>,
     lines: Lines,
+    frames: Frames,
     /// Place of each signal in a row: the channels, then the clock, then the number.
     signals: Vec<String>,
     /// One value per signal, for lines that hold one signal each.
@@ -72,6 +76,7 @@ impl TextDevice {
             form: Arc::new(description.form.clone()),
             channels: description.channels(),
             lines: Lines::new(bounds),
+            frames: Frames::default(),
             pending: Pending { values: vec![None; signals.len()], ..Pending::default() },
             unwraps: vec![Unwrap::default(); description.channels.len()],
             signals,
@@ -106,6 +111,22 @@ impl TextDevice {
         }
     }
 
+    fn receive_frames(&mut self, chunk: Chunk<'_>, layout: &Layout, heard: &mut Vec<Heard>) {
+        let spread_ns = chunk.until_ns - chunk.from_ns;
+        for (index, byte) in chunk.bytes.iter().enumerate() {
+            match self.frames.push(*byte, layout) {
+                None => {}
+                Some(Err(problem)) => heard.push(Heard::Damaged(problem)),
+                Some(Ok(values)) => {
+                    let at = Arrival { at_ns: chunk.arrival_ns(index), spread_ns };
+                    let values: Vec<_> =
+                        values.into_iter().map(|(name, value)| (Cow::Owned(name), value)).collect();
+                    self.take(&values, at, heard);
+                }
+            }
+        }
+    }
+
     /// Takes the values of a line: a row, or a part of one where each signal has a line of its own.
     fn take(&mut self, values: &[(Cow<'_, str>, Value)], at: Arrival, heard: &mut Vec<Heard>) {
         let place = |name: &str| self.signals.iter().position(|signal| signal == name);
@@ -125,7 +146,10 @@ impl TextDevice {
         for (place, value) in known {
             self.pending.values[place] = Some(value);
         }
-        if values.len() > 1 || self.pending.values.iter().all(Option::is_some) {
+        if values.len() > 1
+            || matches!(*self.form, Form::Frames(_))
+            || self.pending.values.iter().all(Option::is_some)
+        {
             self.emit(heard);
         }
     }
@@ -215,6 +239,9 @@ impl Device for TextDevice {
     }
 
     fn receive(&mut self, chunk: Chunk<'_>, heard: &mut Vec<Heard>) {
+        if let Form::Frames(layout) = &*Arc::clone(&self.form) {
+            return self.receive_frames(chunk, layout, heard);
+        }
         let mut lines = std::mem::take(&mut self.lines);
         let spread_ns = chunk.until_ns - chunk.from_ns;
         lines.push(chunk, |line, at_ns| self.line(line, Arrival { at_ns, spread_ns }, heard));
@@ -222,7 +249,7 @@ impl Device for TextDevice {
     }
 
     fn interrupted(&mut self, heard: &mut Vec<Heard>) {
-        if self.lines.interrupt() {
+        if self.lines.interrupt() || self.frames.interrupt() {
             heard.push(Heard::Damaged("the link broke within it"));
         }
         self.pending.forget();
