@@ -191,7 +191,7 @@ fn hostile_devices_are_refused_in_one_sentence() {
         ("nothing but missing", endless(b"nan,nan\n"), "none of the"),
         ("broken JSON", endless(b"{\"a\": \n"), "none of the"),
         ("numbers beyond all", endless(b"1e999,1e999\n"), "none of the"),
-        ("no names", endless(b"0.5 1.5\n"), "does not state the unit of `column_1`"),
+        ("no names", endless(b"0.5 1.5\n"), "does not state the unit of `column 1`"),
     ];
     std::thread::scope(|scope| {
         for (name, bytes, sentence) in &devices {

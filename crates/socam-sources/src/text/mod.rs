@@ -187,7 +187,7 @@ impl TextDevice {
             None => None,
         };
         // All is checked before the state of a signal that wraps changes.
-        if channels.iter().any(|value| *value == Some(Value::Text)) {
+        if channels.contains(&Some(Value::Text)) {
             return Err("text stands in the place of a number");
         }
         let mut row = Vec::with_capacity(channels.len());

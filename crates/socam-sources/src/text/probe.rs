@@ -131,6 +131,11 @@ pub fn probe(chunks: &[Chunk<'_>], bounds: Bounds, take_guesses: bool) -> Result
     }
     signals.retain(|signal| !signal.values.is_empty());
     assign(&mut signals, take_guesses);
+    let is_channel = |signal: &Signal| matches!(signal.role, Role::Channel { .. });
+    if !signals.iter().any(is_channel) {
+        let aside = if take_guesses { " whose unit is known or suggested by its name" } else { "" };
+        return Err(nothing(&format!("none holds a number{aside} beside a clock")));
+    }
     let unknown = unknown(&signals);
     let assumed = assumed(&signals, take_guesses);
     let text = write::description(&form, &signals);
@@ -164,7 +169,7 @@ fn form(lines: &[(String, i64)]) -> Option<(Form, Vec<(String, String)>)> {
     let is_distinct =
         names.iter().enumerate().all(|(at, name)| !name.is_empty() && !names[..at].contains(name));
     if names.is_empty() || !is_distinct {
-        names = (1..=width).map(|number| format!("column_{number}")).collect();
+        names = (1..=width).map(|number| format!("column {number}")).collect();
     }
     let units = cells(layout.units_line).unwrap_or_default();
     let stated = names.iter().cloned().zip(units).filter(|(_, unit)| !unit.is_empty()).collect();
@@ -212,7 +217,7 @@ fn assign(signals: &mut [Signal], take_guesses: bool) {
 
 impl Signal {
     fn has_no_name(&self) -> bool {
-        self.name.starts_with("column_")
+        self.name.starts_with("column ")
     }
 
     fn increases(&self) -> bool {

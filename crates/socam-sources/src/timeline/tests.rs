@@ -69,7 +69,7 @@ fn late_repeated_and_restarted_rows_are_told_apart() {
 
 #[test]
 fn a_clock_that_wraps_goes_on() {
-    let wrap_s = 4294.967_296;
+    let wrap_s = 4_294.967_296;
     let mut timeline = Timeline::new(Numbering::Clock, Some(wrap_s));
     for k in 0..100 {
         let device_s = (wrap_s - 0.5 + 0.01 * f64::from(k)) % wrap_s;
