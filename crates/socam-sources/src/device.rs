@@ -3,7 +3,6 @@
 use socam_recording::Channel;
 
 use crate::error::Result;
-use crate::timeline::Numbering;
 
 /// Bytes with the time in which they arrived.
 #[derive(Debug, Clone, Copy)]
@@ -39,6 +38,17 @@ pub struct Row {
     pub spread_ns: i64,
     /// One value per channel in its SI unit, NaN where it is missing.
     pub values: Vec<f64>,
+}
+
+/// How rows that did not arrive are counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Numbering {
+    /// The device numbers its rows; the number begins anew after this many, or never (0).
+    Numbered(u64),
+    /// The device has a clock and samples evenly, or does not; that is found out.
+    Clock,
+    /// The device states neither, so what is lost without a trace is not noticed.
+    Arrival,
 }
 
 /// What a device was heard to send.

@@ -24,6 +24,6 @@ pub mod text;
 mod timeline;
 
 pub use description::{ClockColumn, Description, SCHEMA};
-pub use device::{Chunk, Device, Heard, Row};
+pub use device::{Chunk, Device, Heard, Numbering, Row};
 pub use error::{Result, SourceError};
-pub use timeline::{ClockMap, Counts, Numbering, Placed, Timeline};
+pub use timeline::{ClockMap, Counts, Placed, Timeline};

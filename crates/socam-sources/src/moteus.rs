@@ -10,10 +10,9 @@ use socam_recording::Channel;
 use socam_units::Unit;
 
 use crate::asking::Asking;
-use crate::device::{Chunk, Device, Heard, Row};
+use crate::device::{Chunk, Device, Heard, Numbering, Row};
 use crate::error::Result;
 use crate::text::lines::Lines;
-use crate::timeline::Numbering;
 
 /// Kelvins at 0 degrees Celsius.
 const ZERO_CELSIUS_K: f64 = 273.15;

@@ -6,10 +6,9 @@ use socam_recording::Channel;
 use socam_units::Unit;
 
 use crate::asking::Asking;
-use crate::device::{Chunk, Device, Heard, Row};
+use crate::device::{Chunk, Device, Heard, Numbering, Row};
 use crate::error::Result;
 use crate::text::lines::Lines;
-use crate::timeline::Numbering;
 
 /// Names of the measured current by the version of the firmware: 0.5, then 0.6.
 const CURRENTS: [&str; 2] = ["motor.current_control.Iq_measured", "motor.foc.Iq_measured"];

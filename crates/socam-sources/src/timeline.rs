@@ -3,7 +3,7 @@
 //! A row of a device with a clock keeps that clock: the first row is at 0, and the distance between rows is the device's own. The host's
 //! clock only judges it. A clock that jumps or starts anew is tied to the host's clock again at that row.
 
-use crate::device::Row;
+use crate::device::{Numbering, Row};
 
 mod clock_map;
 mod period;
@@ -11,17 +11,6 @@ mod period;
 pub use clock_map::ClockMap;
 use clock_map::Lags;
 use period::Period;
-
-/// How rows that did not arrive are counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Numbering {
-    /// The device numbers its rows; the number begins anew after this many, or never (0).
-    Numbered(u64),
-    /// The device has a clock and samples evenly, or does not; that is found out.
-    Clock,
-    /// The device states neither, so what is lost without a trace is not noticed.
-    Arrival,
-}
 
 /// What was counted beside the rows that are placed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

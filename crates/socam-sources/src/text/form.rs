@@ -3,10 +3,11 @@
 use std::borrow::Cow;
 
 use serde_json::Value as Json;
-use socam_import::parts::{Content, content, record};
+use socam_import::parts::{content, record};
 use socam_recording::Fields;
 
 use super::frames::{Layout, read_layout};
+use super::value::Value;
 
 /// Form of the lines of a device.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,14 +29,6 @@ pub enum Form {
     Frames(Layout),
 }
 
-/// A value in a line.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Value {
-    Number(f64),
-    Missing,
-    Text,
-}
-
 /// Content of a line.
 #[derive(Debug, PartialEq)]
 pub(super) enum Line<'l> {
@@ -44,16 +37,6 @@ pub(super) enum Line<'l> {
     Header,
     /// Text without a number.
     Talk,
-}
-
-impl From<Content> for Value {
-    fn from(content: Content) -> Self {
-        match content {
-            Content::Number(number) => Self::Number(number),
-            Content::Missing => Self::Missing,
-            Content::Other => Self::Text,
-        }
-    }
 }
 
 const SEPARATORS: [(&str, u8); 5] = [(",", b','), (";", b';'), ("tab", b'\t'), ("|", b'|'), ("space", b' ')];

@@ -2,7 +2,7 @@
 
 use socam_recording::Fields;
 
-use super::form::Value;
+use super::value::Value;
 
 /// Longest frame, encoded, bytes.
 const LONGEST: usize = 1 << 12;

@@ -4,6 +4,8 @@ mod form;
 mod frames;
 pub(crate) mod lines;
 mod probe;
+mod signal;
+mod value;
 mod write;
 
 use std::borrow::Cow;
@@ -12,16 +14,16 @@ use std::sync::Arc;
 use socam_recording::Channel;
 
 use crate::description::Description;
-use crate::device::{Chunk, Device, Heard, Row};
-use crate::timeline::Numbering;
+use crate::device::{Chunk, Device, Heard, Numbering, Row};
 pub use form::Form;
+use form::Line;
 pub(crate) use form::read_form;
-use form::{Line, Value};
 use frames::Frames;
 pub use frames::{Checksum, Layout, Number};
 pub use lines::Bounds;
 use lines::Lines;
 pub use probe::{Found, probe};
+use value::Value;
 
 /// Most lines of talk that are handed on.
 const MOST_TALK: usize = 100;

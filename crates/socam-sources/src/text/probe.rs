@@ -1,27 +1,19 @@
 //! Finds out what a device sends, from its first lines.
 
 use socam_import::parts::{is_time_like, layout, likeliest_unit};
-use socam_units::{Column, Meaning, column, plain_name};
+use socam_units::{Meaning, column};
 
-use super::form::{Form, Line, Value, json_values};
+use super::form::{Form, Line, json_values};
 use super::lines::{Bounds, Lines};
+use super::signal::{CLOCK_UNITS, FEWEST, Role, Signal};
+use super::value::Value;
 use super::write;
 use crate::description::Description;
 use crate::device::Chunk;
 use crate::error::{Result, SourceError};
 
-/// Fewest lines from which anything is concluded.
-const FEWEST: usize = 3;
 /// Most lines that are looked at.
 const MOST: usize = 2000;
-/// Shortest time over which a clock is compared with the host's, s.
-const SHORTEST_S: f64 = 0.3;
-/// Units of clocks, and how far their speed may be from the host's to be recognised.
-const CLOCK_UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
-const CLOCK_RATIO: std::ops::Range<f64> = 0.7..1.4;
-/// Names of signals that number rows.
-const NUMBERS: [&str; 10] = ["n", "i", "k", "seq", "sequence", "count", "index", "sample", "frame", "packet"];
-
 /// What was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
@@ -51,32 +43,6 @@ impl Found {
         }
         Err(SourceError::Unstated { unknown })
     }
-}
-
-/// A signal with its numbers.
-pub(super) struct Signal {
-    pub(super) name: String,
-    pub(super) column: Column,
-    /// Numbers of the lines that hold one, with their times of arrival, s.
-    pub(super) values: Vec<(f64, f64)>,
-    pub(super) role: Role,
-}
-
-/// What a signal becomes.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Role {
-    Clock {
-        unit: Option<&'static str>,
-        is_measured: bool,
-        is_whole: bool,
-    },
-    Number,
-    Channel {
-        unit: Option<String>,
-        guess: Option<&'static str>,
-    },
-    /// It is left out, since nothing suggests a unit.
-    Aside,
 }
 
 /// Finds the form of lines, the clock, and the units that names state. With `take_guesses`, units that a name suggests are taken, and
@@ -212,41 +178,6 @@ fn assign(signals: &mut [Signal], take_guesses: bool) {
             (Some(_), _) if take_guesses && signal.column.meaning == Meaning::Counts => Role::Aside,
             (unit, guess) => Role::Channel { unit, guess },
         };
-    }
-}
-
-impl Signal {
-    fn has_no_name(&self) -> bool {
-        self.name.starts_with("column ")
-    }
-
-    fn increases(&self) -> bool {
-        let back = self.values.windows(2).filter(|pair| pair[1].0 < pair[0].0).count();
-        50 * back <= self.values.len() && self.span().0 > 0.0
-    }
-
-    /// Difference of last and first value, and of their arrivals, s.
-    fn span(&self) -> (f64, f64) {
-        match (self.values.first(), self.values.last()) {
-            (Some(first), Some(last)) => (last.0 - first.0, last.1 - first.1),
-            _ => (0.0, 0.0),
-        }
-    }
-
-    /// The unit in which this signal runs as fast as the host's clock.
-    fn clock_unit(&self) -> Option<&'static str> {
-        let (device, host_s) = self.span();
-        let is_even = host_s >= SHORTEST_S && self.increases();
-        let fits = |unit: &&(&str, f64)| CLOCK_RATIO.contains(&(device * unit.1 / host_s));
-        CLOCK_UNITS.iter().filter(|_| is_even).find(fits).map(|(name, _)| *name)
-    }
-
-    /// Whether it counts rows.
-    fn is_number(&self) -> bool {
-        let ones = self.values.windows(2).filter(|pair| pair[1].0 - pair[0].0 == 1.0).count();
-        let is_named = NUMBERS.contains(&plain_name(&self.name).as_str()) || self.has_no_name();
-        let is_counting = 10 * ones >= 9 * self.values.len().saturating_sub(1) && self.values.len() >= FEWEST;
-        is_named && is_counting && self.values.iter().all(|(value, _)| *value >= 0.0)
     }
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use socam_units::plain_name;
 
 use super::form::{Form, separator_name};
-use super::probe::{Role, Signal};
+use super::signal::{Role, Signal};
 use crate::description::SCHEMA;
 
 /// Number of ticks after which clocks of microcontrollers usually begin anew.
