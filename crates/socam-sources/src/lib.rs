@@ -6,7 +6,7 @@
 //!
 //! | module | device |
 //! |---|---|
-//! | [`text`] | lines of text: CSV, `key:value`, JSON, as sent by an Arduino, a Pico or a script |
+//! | [`text`] | lines of text: CSV, `key:value`, JSON, as sent by an Arduino, a Pico or a script; frames of bytes by COBS |
 //! | [`moteus`] | a moteus servo drive behind an fdcanusb |
 //! | [`odrive`] | an ODrive by its protocol of text |
 //! | [`simulators`] | simulations of these drives, for tests and rehearsals |
