@@ -124,7 +124,10 @@ fn what_a_device_does_not_state_is_asked_once_and_kept() {
             let packet = |k: u64| {
                 format!("{{\"timestamp\":{},\"motor\":{{\"speed\":{k},\"x\":1}}}}", 0.002 * k as f64)
             };
-            send_evenly(&is_over, |k| Ok(drop(sender.send_to(packet(k).as_bytes(), port))));
+            send_evenly(&is_over, |k| {
+                let _ = sender.send_to(packet(k).as_bytes(), port);
+                Ok(())
+            });
         });
         let asked = record(&device, &log, &["--describe", &file]);
         assert_eq!(asked.code, Some(1));
@@ -169,7 +172,10 @@ fn a_killed_recorder_leaves_the_samples_of_a_device() {
         let _ending = Ending(&is_over);
         scope.spawn(|| {
             let packet = |k: u64| format!("t_us:{},speed_rad_s:{k}", 2000 * k);
-            send_evenly(&is_over, |k| Ok(drop(sender.send_to(packet(k).as_bytes(), port))));
+            send_evenly(&is_over, |k| {
+                let _ = sender.send_to(packet(k).as_bytes(), port);
+                Ok(())
+            });
         });
         let begin = Instant::now();
         while !Path::new(&log).exists() && begin.elapsed() < Duration::from_secs(20) {
