@@ -50,6 +50,8 @@ mod mcp;
 #[cfg(feature = "full")]
 mod readers;
 mod record;
+#[cfg(unix)]
+mod sources;
 mod watch;
 
 /// A file that is not named above would never run.

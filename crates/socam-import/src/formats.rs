@@ -9,7 +9,7 @@ pub(crate) mod fence;
 mod frames;
 #[cfg(feature = "formats-hdf5")]
 mod hdf5;
-mod json;
+pub(crate) mod json;
 mod matlab;
 #[cfg(feature = "formats-ros")]
 mod mcap;

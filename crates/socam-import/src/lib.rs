@@ -2,7 +2,7 @@
 //!
 //! A reader (`formats`, `text`, `tdms`) gives a source: groups of signals with a clock each. A mapping, read from a file or proposed from names
 //! and units, says which signal is which channel; `times` and `align` put the clocks together; the result is a `Dataset`. [`open()`] is
-//! how every command opens a recording, whatever wrote it.
+//! how every command opens a recording, whatever wrote it. [`parts`] are what readers of running streams share with these.
 
 mod align;
 mod dates;
@@ -13,6 +13,7 @@ mod import;
 mod mapping;
 mod offset;
 mod open;
+pub mod parts;
 mod propose;
 mod source;
 mod tdms;

@@ -136,7 +136,7 @@ impl Mapping {
         let date_format = fields.maybe_text("date_format");
         let dbc = fields.is_given("can").then(|| PathBuf::from(fields.table("can", |can| can.text("dbc"))));
         let clocks = fields.maybe_tables("clocks", clock);
-        let channels = fields.named_tables("channels", channel);
+        let channels = fields.named_tables("channels", ChannelMap::read);
         if channels.is_empty() {
             fields.complain("it maps no channel; add [channels.NAME] with `signal` and `unit`".into());
         }
@@ -237,31 +237,35 @@ pub(crate) fn is_name(name: &str) -> bool {
     !name.is_empty() && name.chars().all(is_plain)
 }
 
-fn channel(name: &str, fields: &mut Fields<'_>) -> ChannelMap {
-    let line = fields.line("");
-    if !is_name(name) {
-        fields.complain(format!("`{name}` is no name of a channel; use letters, digits and underscores"));
-    }
-    let signal = fields.text("signal");
-    let unit_text = fields.text("unit");
-    let scale = fields.maybe_number("scale", -1e30..=1e30);
-    let offset = fields.maybe_number("offset", -1e30..=1e30);
-    let to = fields.maybe_text("to");
-    let per_turn = fields.maybe_number("counts_per_turn", 1e-6..=1e12);
-    let per_metre = fields.maybe_number("counts_per_m", 1e-6..=1e12);
-    let (unit, factor, zero) =
-        conversion(name, fields, &unit_text, (scale, offset, to.as_deref()), (per_turn, per_metre));
-    let between = [("linear", Between::Linear), ("hold", Between::Hold), ("missing", Between::Missing)];
-    ChannelMap {
-        name: name.to_owned(),
-        signal,
-        unit,
-        unit_text,
-        factor,
-        offset: zero,
-        wrap: fields.maybe_number("wrap", 1e-9..=1e18),
-        missing: fields.maybe_number("missing", -1e300..=1e300),
-        between: fields.maybe_choice("between", &between),
-        line,
+impl ChannelMap {
+    /// Reads a table `[channels.NAME]`, whose problems `fields` keeps.
+    #[must_use]
+    pub fn read(name: &str, fields: &mut Fields<'_>) -> Self {
+        let line = fields.line("");
+        if !is_name(name) {
+            fields.complain(format!("`{name}` is no name of a channel; use letters, digits and underscores"));
+        }
+        let signal = fields.text("signal");
+        let unit_text = fields.text("unit");
+        let scale = fields.maybe_number("scale", -1e30..=1e30);
+        let offset = fields.maybe_number("offset", -1e30..=1e30);
+        let to = fields.maybe_text("to");
+        let per_turn = fields.maybe_number("counts_per_turn", 1e-6..=1e12);
+        let per_metre = fields.maybe_number("counts_per_m", 1e-6..=1e12);
+        let (unit, factor, zero) =
+            conversion(name, fields, &unit_text, (scale, offset, to.as_deref()), (per_turn, per_metre));
+        let between = [("linear", Between::Linear), ("hold", Between::Hold), ("missing", Between::Missing)];
+        Self {
+            name: name.to_owned(),
+            signal,
+            unit,
+            unit_text,
+            factor,
+            offset: zero,
+            wrap: fields.maybe_number("wrap", 1e-9..=1e18),
+            missing: fields.maybe_number("missing", -1e300..=1e300),
+            between: fields.maybe_choice("between", &between),
+            line,
+        }
     }
 }

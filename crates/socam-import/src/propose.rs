@@ -17,6 +17,7 @@ use crate::mapping::Stamps;
 use crate::source::{Signal, Source};
 use crate::times::Times;
 use draft::Draft;
+pub(crate) use names::likeliest;
 
 /// Rows of a group from which a mapping is proposed.
 const ROWS: usize = 200_000;

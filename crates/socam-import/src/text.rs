@@ -10,6 +10,7 @@ mod scope;
 mod tektronix;
 mod trace;
 
+pub(crate) use cells::{Cell, cell};
 pub(crate) use labview::read as read_labview;
 pub use layout::TextLayout;
 pub(crate) use layout::sniff;

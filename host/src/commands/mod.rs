@@ -10,6 +10,7 @@ mod completions;
 mod dashboard;
 mod demo;
 mod design;
+mod devices;
 mod diagnose;
 mod efficiency;
 mod export;
@@ -200,6 +201,7 @@ commands! {
     Efficiency => efficiency,
     Design => design,
     Demo => demo,
+    Devices => devices,
     Record => record,
     Watch => watch,
     Mcp => mcp if "agents",

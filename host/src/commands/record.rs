@@ -1,6 +1,7 @@
 //! `record`: run a profile on a bench and record it.
 
 mod result;
+mod source;
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -20,6 +21,7 @@ use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
 use crate::output::{self, WrongArguments};
 pub(crate) use result::{outcome, tell};
+use source::{SourceArgs, Target};
 
 /// Run a profile on the bench and record it
 ///
@@ -33,14 +35,20 @@ pub(crate) use result::{outcome, tell};
   socam-host record --device serial:/dev/ttyACM0 --profile multisine -o run.mcap
   socam-host record --device serial:/dev/ttyACM0 --profile mine.toml --duration 30s --calibration bench.toml -o run.mcap
   socam-host record --device serial --profile multisine -o run.mcap --watch bench.toml --baseline healthy.mcap
-  socam-host record --device sim --profile steps -o run.mcap                 without a bench")]
+  socam-host record --device sim --profile steps -o run.mcap                 without a bench
+  socam-host record --device serial:/dev/ttyACM0?baud=115200 -o run.mcap     lines of text of any microcontroller
+  socam-host record --device udp:0.0.0.0:9870 -o run.mcap --describe arm.toml --duration 60s")]
 pub(crate) struct Args {
     /// Log to write (.mcap)
     #[arg(short, long, value_name = "RUN.mcap", required_unless_present = "list_profiles")]
     output: Option<PathBuf>,
-    /// Board: serial (the one on USB), serial:PATH, tcp:HOST:PORT, or sim (a virtual one)
+    /// Board: serial (the one on USB), serial:PATH, tcp:HOST:PORT, or sim (a virtual one). Lines of text of another device:
+    /// serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT. Drives, which are only asked: moteus:PATH?id=1 (an fdcanusb),
+    /// odrive:PATH?axis=0 (USB)
     #[arg(long, value_name = "DEVICE", required_unless_present = "list_profiles")]
-    device: Option<Device>,
+    device: Option<Target>,
+    #[command(flatten)]
+    source: SourceArgs,
     #[command(flatten)]
     record: Record,
     /// Calibration file of the bench (`template calibration` prints one) [default: that of the default bench]
@@ -84,7 +92,10 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         return Err(WrongArguments("record needs --output and --device".into()).into());
     };
     check_output(path, args.force)?;
-    let device = &device.clone().with_token(args.token.read()?);
+    let device = match source::of(device, &args.source)? {
+        Target::Source(address) => return source::run(&args, path, &address),
+        Target::Board(board) => &board.with_token(args.token.read()?),
+    };
     let calibration = args.calibration.as_deref().map(Calibration::open).transpose()?;
     if *device != Device::Sim && args.bench.describes_a_bench() {
         return Err(WrongArguments(format!(

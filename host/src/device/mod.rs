@@ -1,11 +1,13 @@
 //! The host's side of the link to a board: in this process, over TCP, over a serial line.
 //!
 //! All three are a [`Stream`] of bytes. A [`Session`] exchanges messages over it, and [`run::record`] runs a profile and records it.
+//! [`source`] are devices of other protocols, which are only listened to.
 
 pub(crate) mod front_end;
 mod in_process;
 pub(crate) mod run;
 pub(crate) mod session;
+pub(crate) mod source;
 mod stream;
 pub(crate) mod token;
 
@@ -17,6 +19,7 @@ use socam_sim::Setup;
 
 pub(crate) use in_process::{InProcess, Pace};
 pub(crate) use session::Session;
+pub(crate) use stream::is_board;
 use stream::{Stream, find_board, open_serial, open_tcp};
 use token::Token;
 

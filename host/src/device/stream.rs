@@ -23,16 +23,21 @@ const CONNECT_WITHIN: Duration = Duration::from_secs(3);
 /// The firmware's product name on USB.
 const PRODUCT: &str = "socam board";
 
-/// Name of the only serial line that is a board.
-pub(super) fn find_board(ports: &[SerialPortInfo]) -> anyhow::Result<String> {
+/// Whether a serial line is a board, by its product's name on USB.
+pub(crate) fn is_board(port: &SerialPortInfo) -> bool {
     // Some systems report names with underscores in place of spaces.
-    let is_board = |port: &&SerialPortInfo| match &port.port_type {
+    match &port.port_type {
         SerialPortType::UsbPort(usb) => {
             usb.product.as_ref().is_some_and(|name| name.replace('_', " ") == PRODUCT)
         }
         _ => false,
-    };
-    let boards: Vec<&str> = ports.iter().filter(is_board).map(|port| port.port_name.as_str()).collect();
+    }
+}
+
+/// Name of the only serial line that is a board.
+pub(super) fn find_board(ports: &[SerialPortInfo]) -> anyhow::Result<String> {
+    let boards: Vec<&str> =
+        ports.iter().filter(|port| is_board(port)).map(|port| port.port_name.as_str()).collect();
     match boards[..] {
         [board] => Ok(board.to_owned()),
         [] => Err(anyhow!(
@@ -44,7 +49,11 @@ pub(super) fn find_board(ports: &[SerialPortInfo]) -> anyhow::Result<String> {
 
 pub(super) fn open_serial(path: &str) -> anyhow::Result<Box<dyn serialport::SerialPort>> {
     // USB CDC ignores the rate; a real UART needs one that carries the stream.
-    let opened = serialport::new(path, 921_600).timeout(READ_TIMEOUT).open();
+    open_serial_at(path, 921_600)
+}
+
+pub(super) fn open_serial_at(path: &str, baud: u32) -> anyhow::Result<Box<dyn serialport::SerialPort>> {
+    let opened = serialport::new(path, baud).timeout(READ_TIMEOUT).open();
     let mut port = opened
         .map_err(|error| anyhow!("cannot open the serial line {path}: {}", why_not_open(path, &error)))?;
     // Many USB stacks send nothing before the host raises this line.

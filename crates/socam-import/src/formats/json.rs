@@ -250,6 +250,20 @@ fn signal(name: String, cells: Vec<Cell>) -> Signal {
     Signal::new(name, None, cells.iter().map(number).collect())
 }
 
+/// Calls `take` with each value of a record: `a.b` for members of members, `a.0` for numbers of short lists. Other lists are handed over whole.
+pub(crate) fn flatten(place: &str, members: &Map<String, Value>, take: &mut dyn FnMut(String, &Value)) {
+    for (key, member) in members {
+        let name = if place.is_empty() { key.clone() } else { format!("{place}.{key}") };
+        match member {
+            Value::Object(inner) => flatten(&name, inner, take),
+            Value::Array(items) if items.len() <= 8 && items.iter().all(Value::is_number) => {
+                items.iter().enumerate().for_each(|(index, item)| take(format!("{name}.{index}"), item));
+            }
+            other => take(name, other),
+        }
+    }
+}
+
 /// Records while they are read.
 #[derive(Default)]
 struct Records {
@@ -269,23 +283,14 @@ impl Records {
     }
 
     fn take(&mut self, place: &str, members: &Map<String, Value>) {
-        for (key, member) in members {
-            let name = if place.is_empty() { key.clone() } else { format!("{place}.{key}") };
-            match member {
-                Value::Object(inner) => self.take(&name, inner),
-                Value::Array(items) if items.len() <= 8 && items.iter().all(Value::is_number) => {
-                    for (index, item) in items.iter().enumerate() {
-                        self.put(format!("{name}.{index}"), Cell::of(item));
-                    }
+        flatten(place, members, &mut |name, value| match value {
+            Value::Array(_) => {
+                if !self.lists.contains(&name) {
+                    self.lists.push(name);
                 }
-                Value::Array(_) => {
-                    if !self.lists.contains(&name) {
-                        self.lists.push(name);
-                    }
-                }
-                other => self.put(name, Cell::of(other)),
             }
-        }
+            other => self.put(name, Cell::of(other)),
+        });
     }
 
     fn put(&mut self, name: String, cell: Cell) {

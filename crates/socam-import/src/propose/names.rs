@@ -77,7 +77,7 @@ fn usual_units(column: &Column) -> Option<&'static str> {
 }
 
 /// The likeliest unit of a column whose unit is not stated.
-pub(super) fn likeliest(column: &Column) -> Option<&'static str> {
+pub(crate) fn likeliest(column: &Column) -> Option<&'static str> {
     match (column.meaning, &column.unit) {
         (Meaning::Values(_) | Meaning::Counts, _) | (_, Some(_)) => None,
         (_, None) => usual_units(column)?.split('"').nth(1),

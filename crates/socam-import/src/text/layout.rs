@@ -27,7 +27,8 @@ pub struct TextLayout {
 
 impl TextLayout {
     /// Cells of a line, without an empty one behind a last separator.
-    pub(crate) fn cells<'l>(&self, line: &'l str) -> Vec<&'l str> {
+    #[must_use]
+    pub fn cells<'l>(&self, line: &'l str) -> Vec<&'l str> {
         let mut cells = split(line, self.separator);
         if cells.len() > 1
             && cells.last().is_some_and(|cell| cell.trim().is_empty())

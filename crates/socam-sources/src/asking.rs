@@ -1,0 +1,56 @@
+//! The rhythm of a device that is asked for each sample.
+
+use crate::device::Heard;
+
+/// Longest time until an answer, ns.
+const ANSWER_NS: i64 = 50_000_000;
+
+/// Questions at an interval, one at a time.
+#[derive(Debug)]
+pub(crate) struct Asking {
+    period_ns: i64,
+    due_ns: i64,
+    asked_ns: Option<i64>,
+    missing: u64,
+}
+
+impl Asking {
+    pub(crate) fn new(period_ns: i64) -> Self {
+        Self { period_ns: period_ns.max(1), due_ns: 0, asked_ns: None, missing: 0 }
+    }
+
+    /// Appends the question if it is due; returns the time of the next call.
+    pub(crate) fn poll(&mut self, now_ns: i64, question: &[u8], out: &mut Vec<u8>) -> i64 {
+        match self.asked_ns {
+            Some(asked_ns) if now_ns < asked_ns.saturating_add(ANSWER_NS) => return asked_ns + ANSWER_NS,
+            Some(_) => self.missing += 1,
+            None if now_ns < self.due_ns => return self.due_ns,
+            None => {}
+        }
+        out.extend_from_slice(question);
+        self.asked_ns = Some(now_ns);
+        // A device that is slower than the interval is asked as often as it answers, not more often later.
+        self.due_ns = self.due_ns.saturating_add(self.period_ns).max(now_ns);
+        now_ns + ANSWER_NS
+    }
+
+    /// The answer has arrived; returns the time since the question, ns.
+    pub(crate) fn answered(&mut self, arrival_ns: i64) -> i64 {
+        self.asked_ns.take().map_or(0, |asked_ns| arrival_ns.saturating_sub(asked_ns))
+    }
+
+    pub(crate) fn awaits(&self) -> bool {
+        self.asked_ns.is_some()
+    }
+
+    /// Hands on the questions that got no answer.
+    pub(crate) fn take_missing(&mut self, heard: &mut Vec<Heard>) {
+        let missing = std::mem::take(&mut self.missing);
+        heard.extend((0..missing).map(|_| Heard::Damaged("a question got no answer")));
+    }
+
+    /// The link was interrupted.
+    pub(crate) fn forget(&mut self) {
+        self.asked_ns = None;
+    }
+}

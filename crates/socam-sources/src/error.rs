@@ -1,0 +1,23 @@
+//! Errors of sources.
+
+use socam_recording::SettingsError;
+
+/// Result of this crate.
+pub type Result<T, E = SourceError> = std::result::Result<T, E>;
+
+/// Why a device cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SourceError {
+    /// A mistake in a description file.
+    #[error(transparent)]
+    Description(#[from] SettingsError),
+    /// What the device sends cannot be understood.
+    #[error("{0}")]
+    Foreign(String),
+    /// The device does not state everything.
+    #[error("the device does not state {unknown}")]
+    Unstated {
+        /// What it does not state, in words.
+        unknown: String,
+    },
+}

@@ -1,0 +1,29 @@
+//! Devices other than the own board as sources of samples.
+//!
+//! A [`Device`] is a state machine without input or output: it takes [`Chunk`]s of bytes with the host's times of arrival, and returns
+//! rows and what was damaged; bytes that it wants to send are returned by [`Device::poll`]. A [`Timeline`] gives each row its time and its
+//! number: by the device's clock if it has one, by the time of arrival otherwise; it counts what was lost, late or repeated.
+//!
+//! | module | device |
+//! |---|---|
+//! | [`text`] | lines of text: CSV, `key:value`, JSON, as sent by an Arduino, a Pico or a script; frames of bytes by COBS |
+//! | [`moteus`] | a moteus servo drive behind an fdcanusb |
+//! | [`odrive`] | an ODrive by its protocol of text |
+//! | [`simulators`] | simulations of these drives, for tests and rehearsals |
+//!
+//! Values are SI. Times are ns of one host clock that never goes back.
+
+mod asking;
+mod description;
+mod device;
+mod error;
+pub mod moteus;
+pub mod odrive;
+pub mod simulators;
+pub mod text;
+mod timeline;
+
+pub use description::{ClockColumn, Description, SCHEMA};
+pub use device::{Chunk, Device, Heard, Numbering, Row};
+pub use error::{Result, SourceError};
+pub use timeline::{ClockMap, Counts, Placed, Timeline};

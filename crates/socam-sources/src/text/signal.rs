@@ -1,0 +1,74 @@
+//! A signal of a device, while it is found out what it is.
+
+use socam_units::{Column, plain_name};
+
+/// Fewest lines from which anything is concluded.
+pub(super) const FEWEST: usize = 3;
+/// Shortest time over which a clock is compared with the host's, s.
+const SHORTEST_S: f64 = 0.3;
+/// Units of clocks, and how far their speed may be from the host's to be recognised.
+pub(super) const CLOCK_UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+const CLOCK_RATIO: std::ops::Range<f64> = 0.7..1.4;
+/// Names of signals that number rows.
+const NUMBERS: [&str; 10] = ["n", "i", "k", "seq", "sequence", "count", "index", "sample", "frame", "packet"];
+
+/// A signal with its numbers.
+pub(super) struct Signal {
+    pub(super) name: String,
+    pub(super) column: Column,
+    /// Numbers of the lines that hold one, with their times of arrival, s.
+    pub(super) values: Vec<(f64, f64)>,
+    pub(super) role: Role,
+}
+
+/// What a signal becomes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Role {
+    Clock {
+        unit: Option<&'static str>,
+        is_measured: bool,
+        is_whole: bool,
+    },
+    Number,
+    Channel {
+        unit: Option<String>,
+        guess: Option<&'static str>,
+    },
+    /// It is left out, since nothing suggests a unit.
+    Aside,
+}
+
+impl Signal {
+    pub(super) fn has_no_name(&self) -> bool {
+        self.name.starts_with("column ")
+    }
+
+    pub(super) fn increases(&self) -> bool {
+        let back = self.values.windows(2).filter(|pair| pair[1].0 < pair[0].0).count();
+        50 * back <= self.values.len() && self.span().0 > 0.0
+    }
+
+    /// Difference of last and first value, and of their arrivals, s.
+    pub(super) fn span(&self) -> (f64, f64) {
+        match (self.values.first(), self.values.last()) {
+            (Some(first), Some(last)) => (last.0 - first.0, last.1 - first.1),
+            _ => (0.0, 0.0),
+        }
+    }
+
+    /// The unit in which this signal runs as fast as the host's clock.
+    pub(super) fn clock_unit(&self) -> Option<&'static str> {
+        let (device, host_s) = self.span();
+        let is_even = host_s >= SHORTEST_S && self.increases();
+        let fits = |unit: &&(&str, f64)| CLOCK_RATIO.contains(&(device * unit.1 / host_s));
+        CLOCK_UNITS.iter().filter(|_| is_even).find(fits).map(|(name, _)| *name)
+    }
+
+    /// Whether it counts rows.
+    pub(super) fn is_number(&self) -> bool {
+        let ones = self.values.windows(2).filter(|pair| pair[1].0 - pair[0].0 == 1.0).count();
+        let is_named = NUMBERS.contains(&plain_name(&self.name).as_str()) || self.has_no_name();
+        let is_counting = 10 * ones >= 9 * self.values.len().saturating_sub(1) && self.values.len() >= FEWEST;
+        is_named && is_counting && self.values.iter().all(|(value, _)| *value >= 0.0)
+    }
+}

@@ -1,0 +1,120 @@
+//! Drives against their simulations: what is asked is answered, and what no drive answers becomes no sample.
+
+use proptest::prelude::*;
+use socam_sources::moteus::Moteus;
+use socam_sources::odrive::Odrive;
+use socam_sources::simulators::{MoteusSimulator, OdriveSimulator, Turning};
+use socam_sources::{Chunk, Device, Heard, Row};
+
+const MOTOR: Turning =
+    Turning { speed_rad_s: 12.5, torque_nm: 0.25, current_a: 1.5, voltage_v: 24.0, fault: 0 };
+const PERIOD_NS: i64 = 1_000_000;
+/// Time from question to answer, ns.
+const ROUND_NS: i64 = 400_000;
+
+/// Asks a drive for some seconds; `change` may damage an answer on its way.
+fn ask(
+    device: &mut dyn Device,
+    seconds: f64,
+    mut drive: impl FnMut(f64, &[u8]) -> Vec<u8>,
+    mut change: impl FnMut(usize, Vec<u8>) -> Vec<u8>,
+) -> Vec<Heard> {
+    let (mut now_ns, mut heard, mut turn) = (0_i64, Vec::new(), 0);
+    while (now_ns as f64) < seconds * 1e9 {
+        let mut question = Vec::new();
+        let next_ns = device.poll(now_ns, &mut question).unwrap().unwrap();
+        if question.is_empty() {
+            now_ns = next_ns.max(now_ns + 1);
+            continue;
+        }
+        turn += 1;
+        let answer = change(turn, drive(now_ns as f64 * 1e-9, &question));
+        let chunk = Chunk { bytes: &answer, from_ns: now_ns, until_ns: now_ns + ROUND_NS };
+        device.receive(chunk, &mut heard);
+        now_ns += ROUND_NS;
+    }
+    heard
+}
+
+fn rows(heard: &[Heard]) -> Vec<&Row> {
+    heard.iter().filter_map(|heard| if let Heard::Row(row) = heard { Some(row) } else { None }).collect()
+}
+
+#[test]
+fn a_moteus_is_recorded_at_its_interval() {
+    let mut device = Moteus::new(3, PERIOD_NS).unwrap();
+    let mut drive = MoteusSimulator::new(3, MOTOR);
+    let heard = ask(&mut device, 2.0, |time_s, bytes| drive.receive(time_s, bytes), |_, answer| answer);
+    let rows = rows(&heard);
+    // The first line of a stream may be the end of one that began before.
+    assert!(
+        (1995..=2000).contains(&rows.len()) && heard.len() <= rows.len() + 1,
+        "{} {:?}",
+        rows.len(),
+        heard.first()
+    );
+    let row = rows[1000];
+    assert_eq!(row.values[3..6], [0.25, 1.5, 24.0]);
+    assert!((row.values[2] - 12.5).abs() < 1e-6 && (row.values[6] - 308.15).abs() < 1e-4, "{row:?}");
+    let expected = 12.5 * (row.arrival_ns - row.spread_ns) as f64 * 1e-9;
+    assert!((row.values[1] - expected).abs() < 0.01, "{} for {expected}", row.values[1]);
+    assert!(row.spread_ns <= ROUND_NS);
+
+    let mut device = Moteus::new(3, PERIOD_NS).unwrap();
+    drive.motor.fault = 33;
+    let heard = ask(&mut device, 0.1, |time_s, bytes| drive.receive(time_s, bytes), |_, answer| answer);
+    let faults: Vec<_> = heard.iter().filter(|heard| matches!(heard, Heard::Fault(_))).collect();
+    assert_eq!(faults, [&Heard::Fault("the moteus reports fault 33".into())]);
+}
+
+#[test]
+fn an_odrive_of_either_generation_is_recorded() {
+    let mut device = Odrive::new(0, PERIOD_NS).unwrap();
+    let mut drive = OdriveSimulator::new(MOTOR);
+    let heard = ask(&mut device, 1.0, |time_s, bytes| drive.receive(time_s, bytes), |_, answer| answer);
+    let rows = rows(&heard);
+    assert!(rows.len() > 990, "{}", rows.len());
+    let last = rows.last().unwrap();
+    assert_eq!(last.values[2..], [1.5, 24.0, 0.0]);
+    assert!((last.values[1] - 12.5).abs() < 1e-4, "{last:?}");
+    // The simulation knows the later name only, and the drive was asked by the earlier one first.
+    assert!(rows[0].values[2].is_nan() || rows.iter().all(|row| row.values[2] == 1.5));
+}
+
+#[test]
+fn lost_and_damaged_answers_are_counted() {
+    let mut device = Moteus::new(1, PERIOD_NS).unwrap();
+    let mut drive = MoteusSimulator::new(1, MOTOR);
+    let damage = |turn: usize, answer: Vec<u8>| match turn {
+        500 => Vec::new(),
+        600 => answer[..answer.len() / 2].iter().copied().chain(*b"\n").collect(),
+        700 => b"rcv 0100 ZZ E B F\r\n".to_vec(),
+        _ => answer,
+    };
+    let heard = ask(&mut device, 1.0, |time_s, bytes| drive.receive(time_s, bytes), damage);
+    let damaged = heard.iter().filter(|heard| matches!(heard, Heard::Damaged(_))).count();
+    assert!((3..=6).contains(&damaged), "{damaged}");
+    assert!(rows(&heard).iter().all(|row| row.values[3] == 0.25 && row.values[5] == 24.0));
+}
+
+#[test]
+fn drives_that_cannot_be_are_refused() {
+    assert!(Moteus::new(0, 1).is_err() && Moteus::new(200, 1).is_err() && Odrive::new(2, 1).is_err());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn any_bytes_of_a_drive_are_survived(bytes in proptest::collection::vec(any::<u8>(), 0..200), digits in "[0-9A-F]{0,140}") {
+        for device in [&mut Moteus::new(1, 1).unwrap() as &mut dyn Device, &mut Odrive::new(0, 1).unwrap()] {
+            for bytes in [bytes.clone(), format!("\nrcv 0100 {digits} E B F\n{digits} 1\n2\n3\n4\n").into_bytes()] {
+                let mut heard = Vec::new();
+                device.receive(Chunk { bytes: &bytes, from_ns: 0, until_ns: 1 }, &mut heard);
+                for row in rows(&heard) {
+                    prop_assert_eq!(row.values.len(), device.channels().len());
+                }
+            }
+        }
+    }
+}

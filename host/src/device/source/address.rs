@@ -1,0 +1,132 @@
+//! Where a source is, as text: `serial:/dev/ttyACM0?baud=115200`, `udp:0.0.0.0:9870`, `text+tcp:HOST:PORT`.
+
+use std::str::FromStr;
+
+use crate::device::Device;
+
+/// Rate of a serial line that states none; USB ignores it.
+const BAUD: u32 = 115_200;
+
+/// Protocol of a source.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Protocol {
+    /// Lines of text.
+    Text,
+    /// The moteus of this number, behind an fdcanusb.
+    Moteus(u8),
+    /// This axis of an ODrive.
+    Odrive(u8),
+}
+
+/// The other end of a link.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// A serial line at this rate, USB included.
+    Serial(String, u32),
+    /// A server of TCP, `HOST:PORT`.
+    Tcp(String),
+    /// Packets that are sent to this address of this computer.
+    Udp(String),
+}
+
+/// A source of samples.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct SourceAddress {
+    pub(crate) protocol: Protocol,
+    pub(crate) place: Place,
+}
+
+impl SourceAddress {
+    /// The source at the place of an own board, for a device that `--describe` says is none.
+    pub(crate) fn in_place_of(board: &Device) -> Option<Self> {
+        let place = match board {
+            Device::Serial(path) => Place::Serial(path.clone(), BAUD),
+            Device::Tcp(address, _) => Place::Tcp(address.clone()),
+            Device::Sim | Device::Usb => return None,
+        };
+        Some(Self { protocol: Protocol::Text, place })
+    }
+}
+
+impl FromStr for SourceAddress {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (kind, rest) = text.split_once(':').ok_or("expected a colon")?;
+        let drive = |key, default, of: fn(u8) -> Protocol| {
+            let (path, number) = drive(rest, key, default)?;
+            Ok(Self { protocol: of(number), place: Place::Serial(path, BAUD) })
+        };
+        match kind {
+            "moteus" => return drive("id", 1, Protocol::Moteus),
+            "odrive" => return drive("axis", 0, Protocol::Odrive),
+            _ => {}
+        }
+        let place = match kind {
+            "text+serial" => serial(rest)?,
+            "serial" if rest.contains("?baud=") => serial(rest)?,
+            "text+tcp" => Place::Tcp(host_and_port(rest)?),
+            "udp" | "text+udp" => Place::Udp(host_and_port(rest)?),
+            _ => return Err(format!("`{kind}` is no source")),
+        };
+        Ok(Self { protocol: Protocol::Text, place })
+    }
+}
+
+fn serial(text: &str) -> Result<Place, String> {
+    let (path, rate) = match text.split_once('?') {
+        Some((path, option)) => {
+            let rate =
+                option.strip_prefix("baud=").and_then(|rate| rate.parse().ok()).filter(|rate| *rate > 0);
+            (path, rate.ok_or(format!("`?{option}` is no rate of a serial line; expected ?baud=115200"))?)
+        }
+        None => (text, BAUD),
+    };
+    if path.is_empty() {
+        return Err("the path of the serial line is missing, as in serial:/dev/ttyACM0?baud=115200".into());
+    }
+    Ok(Place::Serial(path.into(), rate))
+}
+
+/// The path of a drive's line, and its number: `/dev/ttyACM0?id=1`.
+fn drive(text: &str, key: &str, default: u8) -> Result<(String, u8), String> {
+    let (path, number) = match text.split_once('?') {
+        Some((path, option)) => {
+            let number = option.strip_prefix(key).and_then(|rest| rest.strip_prefix('=')?.parse().ok());
+            (path, number.ok_or(format!("`?{option}` is not understood; expected ?{key}={default}"))?)
+        }
+        None => (text, default),
+    };
+    if path.is_empty() {
+        return Err(format!("the path of the drive's line is missing, as in /dev/ttyACM0?{key}={default}"));
+    }
+    Ok((path.to_owned(), number))
+}
+
+fn host_and_port(text: &str) -> Result<String, String> {
+    let port = text.rsplit_once(':').and_then(|(_, port)| port.parse::<u16>().ok());
+    if port.is_none() {
+        return Err(format!("`{text}` is no HOST:PORT, as in 127.0.0.1:9870"));
+    }
+    Ok(text.into())
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Serial(path, baud) => write!(f, "serial:{path}?baud={baud}"),
+            Self::Tcp(address) => write!(f, "text+tcp:{address}"),
+            Self::Udp(address) => write!(f, "udp:{address}"),
+        }
+    }
+}
+
+impl std::fmt::Display for SourceAddress {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match (self.protocol, &self.place) {
+            (Protocol::Moteus(id), Place::Serial(path, _)) => write!(f, "moteus:{path}?id={id}"),
+            (Protocol::Odrive(axis), Place::Serial(path, _)) => write!(f, "odrive:{path}?axis={axis}"),
+            (_, place) => place.fmt(f),
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! Devices other than the own board: where they are, and the link to them. Their protocols are those of `socam_sources`.
+
+mod address;
+mod link;
+mod listen;
+mod run;
+
+pub(crate) use address::{Protocol, SourceAddress};
+pub(crate) use link::Link;
+pub(crate) use listen::{Listened, listen};
+pub(crate) use run::{SourceEnd, SourcePlan, SourceReport, record};

@@ -1,0 +1,359 @@
+//! Records a source: its rows in their order, until it ends, is stopped, or is gone.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::bail;
+use indicatif::ProgressBar;
+use socam_recording::{Event, Recorder, RecordingHeader, RecordingSummary, SampleRow, Status};
+use socam_sources::{ClockMap, Counts, Device, Heard, Placed, Timeline};
+
+use super::link::{Arrived, Link};
+use super::listen::Listened;
+use crate::interrupt::Interrupt;
+use crate::live_watch::LiveWatch;
+use crate::output;
+
+/// Interval of the statuses in the recording.
+const STATUS_EVERY_NS: i64 = 1_000_000_000;
+/// Longest time for which a device may be gone or silent.
+const GONE_NS: i64 = 10_000_000_000;
+/// Interval at which a link that broke is opened again.
+const REOPEN_EVERY: Duration = Duration::from_millis(200);
+/// Most events of one kind; a device must not fill the recording with them.
+const MOST_EVENTS: u32 = 100;
+
+/// The settings of a recording of a source.
+pub(crate) struct SourcePlan {
+    /// Name of the device in messages.
+    pub(crate) name: String,
+    /// Path of the recording.
+    pub(crate) path: PathBuf,
+    /// Time of day at which the link was opened, ns since 1970.
+    pub(crate) opened_unix_ns: u64,
+    /// What is known before the first sample; its start is set at that sample.
+    pub(crate) header: RecordingHeader,
+    /// Time from the first to the last sample; `None` until it is stopped.
+    pub(crate) duration_s: Option<f64>,
+}
+
+/// How a recording of a source ended; the recorded samples are kept in any case.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum SourceEnd {
+    /// It lasted as long as planned.
+    Finished,
+    /// The operator stopped it.
+    Stopped,
+    /// The device is gone, in words.
+    Gone(String),
+}
+
+/// The result of a recording of a source.
+#[derive(Debug, Clone)]
+pub(crate) struct SourceReport {
+    pub(crate) summary: RecordingSummary,
+    pub(crate) end: SourceEnd,
+    /// Time from the first to the last sample, s.
+    pub(crate) duration_s: f64,
+    pub(crate) counts: Counts,
+    /// Times at which the link broke and came back.
+    pub(crate) interruptions: u64,
+    /// Packets of other senders, which were left out.
+    pub(crate) strangers: u64,
+    pub(crate) clock: Option<ClockMap>,
+    /// Largest spread of times of arrival that samples took their times from, s.
+    pub(crate) arrival_spread_s: f64,
+    /// How lost samples are counted, in words.
+    pub(crate) counted_by: String,
+}
+
+struct Run<'r> {
+    plan: SourcePlan,
+    device: &'r mut dyn Device,
+    timeline: Timeline,
+    watch: Option<LiveWatch>,
+    recorder: Option<Recorder>,
+    /// Time of the last sample, ns since the first.
+    time_ns: i64,
+    /// Time at which the last status was written.
+    status_ns: i64,
+    notes: u32,
+    jumps: u32,
+    /// Reasons of damaged messages, as the first one says them.
+    damage: Option<&'static str>,
+    interruptions: u64,
+    is_over: bool,
+}
+
+/// Records a device, beginning with what was heard of it before.
+pub(crate) fn record(
+    link: &mut Link,
+    device: &mut dyn Device,
+    timeline: Timeline,
+    plan: SourcePlan,
+    heard: Listened,
+    watch: Option<LiveWatch>,
+    interrupt: &Interrupt,
+) -> anyhow::Result<SourceReport> {
+    let progress = ProgressBar::new((plan.duration_s.unwrap_or(0.0) * 1e3) as u64);
+    let mut run = Run {
+        plan,
+        device,
+        timeline,
+        watch,
+        recorder: None,
+        time_ns: 0,
+        status_ns: 0,
+        notes: 0,
+        jumps: 0,
+        damage: None,
+        interruptions: 0,
+        is_over: false,
+    };
+    for arrived in &heard.0 {
+        run.take(arrived)?;
+    }
+    let end = run.until_end(link, &progress, interrupt);
+    progress.finish_and_clear();
+    run.finish(end?, link.strangers)
+}
+
+impl Run<'_> {
+    fn until_end(
+        &mut self,
+        link: &mut Link,
+        progress: &ProgressBar,
+        interrupt: &Interrupt,
+    ) -> anyhow::Result<SourceEnd> {
+        let mut heard_ns = link.now_ns();
+        let (mut poll_ns, mut outgoing) = (Some(0), Vec::new());
+        while !self.is_over {
+            if interrupt.count() > 0 {
+                return Ok(SourceEnd::Stopped);
+            }
+            if poll_ns.is_some_and(|due_ns| link.now_ns() >= due_ns) {
+                poll_ns = self.device.poll(link.now_ns(), &mut outgoing)?;
+                if !outgoing.is_empty() {
+                    // A link that broke is noticed by the next read.
+                    let _ = link.send(&outgoing);
+                    outgoing.clear();
+                }
+            }
+            if let (false, Some(due_ns)) = (self.device.awaits(), poll_ns) {
+                std::thread::sleep(Duration::from_nanos((due_ns - link.now_ns()).max(0) as u64));
+                continue;
+            }
+            match link.read() {
+                Ok(Some(arrived)) => {
+                    heard_ns = link.now_ns();
+                    poll_ns = poll_ns.map(|_| heard_ns);
+                    self.take(&arrived)?;
+                }
+                Ok(None) if link.now_ns() - heard_ns > GONE_NS => {
+                    let silence =
+                        format!("{} fell silent (waited {} s)", self.plan.name, GONE_NS / 1_000_000_000);
+                    return Ok(SourceEnd::Gone(silence));
+                }
+                Ok(None) => {}
+                Err(error) => {
+                    self.interrupted(&error);
+                    if !self.comes_back(link, interrupt) {
+                        return Ok(SourceEnd::Gone(format!("the link to {} broke: {error}", self.plan.name)));
+                    }
+                    heard_ns = link.now_ns();
+                }
+            }
+            if let Some(event) = self.watch.as_ref().and_then(LiveWatch::event) {
+                self.write(&event);
+            }
+            if self.recorder.as_ref().is_some_and(Recorder::has_failed) {
+                break;
+            }
+            progress.set_position(self.time_ns as u64 / 1_000_000);
+        }
+        Ok(SourceEnd::Finished)
+    }
+
+    fn take(&mut self, arrived: &Arrived) -> anyhow::Result<()> {
+        let mut heard = Vec::new();
+        self.device.receive(arrived.chunk(), &mut heard);
+        let mut rows: Vec<(i64, u64, Vec<f64>)> = Vec::new();
+        for one in heard {
+            match one {
+                Heard::Row(row) if !self.is_over => {
+                    let Placed::At { time_ns, sequence, jumped } = self.timeline.place(&row) else {
+                        continue;
+                    };
+                    let planned_ns = self.plan.duration_s.map_or(i64::MAX, |s| (s * 1e9) as i64);
+                    if time_ns >= planned_ns {
+                        self.is_over = true;
+                        continue;
+                    }
+                    if self.recorder.is_none() {
+                        self.create(row.arrival_ns)?;
+                    }
+                    self.time_ns = time_ns;
+                    if jumped {
+                        self.jumped();
+                    }
+                    rows.push((time_ns, sequence, row.values));
+                }
+                Heard::Row(_) => {}
+                Heard::Damaged(why) => {
+                    self.timeline.damaged();
+                    self.damaged(why);
+                }
+                Heard::Talk(text) => self.note("note", format!("the device says: {text}")),
+                Heard::Fault(text) => self.note("fault", text),
+            }
+        }
+        let rows: Vec<SampleRow<'_>> = rows
+            .iter()
+            .map(|(device_time_ns, sequence, values)| SampleRow {
+                device_time_ns: *device_time_ns,
+                sequence: *sequence,
+                flags: 0,
+                raw_counts: &[],
+                values,
+            })
+            .collect();
+        if let Some(recorder) = self.recorder.as_mut().filter(|_| !rows.is_empty()) {
+            if let Some(watch) = &mut self.watch {
+                watch.take(&rows);
+            }
+            recorder.push_samples(&rows);
+        }
+        if self.time_ns - self.status_ns >= STATUS_EVERY_NS {
+            self.status();
+        }
+        Ok(())
+    }
+
+    /// Creates the file at the first sample, whose time of day it states.
+    fn create(&mut self, arrival_ns: i64) -> anyhow::Result<()> {
+        self.plan.header.start_unix_ns = self.plan.opened_unix_ns.saturating_add_signed(arrival_ns);
+        self.recorder = Some(Recorder::create(&self.plan.path, &self.plan.header)?);
+        Ok(())
+    }
+
+    fn jumped(&mut self) {
+        self.jumps += 1;
+        if self.jumps == 1 {
+            output::warn(format_args!(
+                "the clock or number of {} jumped at {:.3} s; the time goes on by this computer's clock",
+                self.plan.name,
+                self.time_ns as f64 * 1e-9
+            ));
+        }
+        self.note("note", "the device's clock jumped; the time goes on by the host's clock".into());
+    }
+
+    fn damaged(&mut self, why: &'static str) {
+        if self.damage.is_none() {
+            self.damage = Some(why);
+            output::warn(format_args!(
+                "a message of {} is damaged ({why}); this and further ones are left out and counted",
+                self.plan.name
+            ));
+        }
+    }
+
+    fn interrupted(&mut self, error: &std::io::Error) {
+        self.interruptions += 1;
+        let mut heard = Vec::new();
+        self.device.interrupted(&mut heard);
+        heard.iter().filter(|heard| matches!(heard, Heard::Damaged(_))).for_each(|_| self.timeline.damaged());
+        output::warn(format_args!(
+            "the link to {} broke ({error}); waiting {} s for it",
+            self.plan.name,
+            GONE_NS / 1_000_000_000
+        ));
+        self.note("fault", format!("the link broke: {error}"));
+        self.status();
+    }
+
+    /// Opens the link again, until that works or takes too long.
+    fn comes_back(&mut self, link: &mut Link, interrupt: &Interrupt) -> bool {
+        let until_ns = link.now_ns() + GONE_NS;
+        while link.now_ns() < until_ns && interrupt.count() == 0 {
+            std::thread::sleep(REOPEN_EVERY);
+            if link.reopen() {
+                output::say(format_args!("{} is back", self.plan.name));
+                self.note("note", "the link is back".into());
+                return true;
+            }
+        }
+        interrupt.count() > 0
+    }
+
+    fn note(&mut self, kind: &str, text: String) {
+        self.notes += 1;
+        if self.notes <= MOST_EVENTS {
+            self.write(&Event { device_time_ns: self.time_ns, kind: kind.into(), text });
+        }
+    }
+
+    fn write(&mut self, event: &Event) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.event(event);
+        }
+    }
+
+    fn status(&mut self) {
+        self.status_ns = self.time_ns;
+        let Counts { damaged, .. } = self.timeline.counts();
+        if let Some(recorder) = &mut self.recorder {
+            let lost = recorder.lost();
+            recorder.status(&Status {
+                device_time_ns: self.time_ns,
+                state: "listening".into(),
+                overruns: 0,
+                lost,
+                link_errors: damaged,
+            });
+        }
+    }
+
+    fn finish(mut self, end: SourceEnd, strangers: u64) -> anyhow::Result<SourceReport> {
+        self.status();
+        if let SourceEnd::Gone(text) = &end {
+            self.note("fault", text.clone());
+        }
+        if let Some(text) = clock_text(self.timeline.clock_map().as_ref()) {
+            self.write(&Event { device_time_ns: self.time_ns, kind: "note".into(), text });
+        }
+        for event in self.watch.as_mut().map(LiveWatch::finish).unwrap_or_default() {
+            self.write(&event);
+        }
+        let Some(recorder) = self.recorder.take() else {
+            match end {
+                SourceEnd::Gone(reason) => bail!("{reason}, before the first sample"),
+                _ => bail!("stopped before the first sample"),
+            }
+        };
+        Ok(SourceReport {
+            summary: recorder.finish()?,
+            end,
+            duration_s: self.time_ns as f64 * 1e-9,
+            counts: self.timeline.counts(),
+            interruptions: self.interruptions,
+            strangers,
+            clock: self.timeline.clock_map(),
+            arrival_spread_s: self.timeline.arrival_spread_s(),
+            counted_by: self.timeline.counted_by(),
+        })
+    }
+}
+
+/// The device's clock against the host's, as text.
+pub(super) fn clock_text(clock: Option<&ClockMap>) -> Option<String> {
+    let clock = clock?;
+    Some(format!(
+        "over {:.1} s the device's clock ran {:+.1} ppm against the host's, within {:.3} ms; samples arrived up to {:.1} ms late; \
+         the link's constant delay is not known",
+        clock.over_s,
+        clock.drift * 1e6,
+        clock.uncertainty_s * 1e3,
+        clock.latest_s * 1e3
+    ))
+}

@@ -1,0 +1,280 @@
+//! `record` of devices other than the own board, as a process: over loopback, and over pseudo-terminals in the place of serial lines.
+
+use std::io::{Read, Write};
+use std::net::{TcpListener, UdpSocket};
+use std::path::Path;
+use std::process::Stdio;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use serialport::{SerialPort, TTYPort};
+use socam_sources::simulators::{MoteusSimulator, OdriveSimulator, Turning};
+use socam_tests::{Ran, run, socam_host};
+
+/// A name in a folder.
+fn path(folder: &tempfile::TempDir, name: &str) -> String {
+    folder.path().join(name).to_str().unwrap().to_owned()
+}
+
+fn record(device: &str, log: &str, more: &[&str]) -> Ran {
+    run(["record", "-o", log, "--device", device, "--json"].iter().chain(more))
+}
+
+/// What a recording says of itself, with its exit code.
+fn document(ran: &Ran) -> Value {
+    serde_json::from_str(&ran.stdout).unwrap_or_else(|_| panic!("{ran:?}"))
+}
+
+/// Ends the sender when the test ends, also where it fails.
+struct Ending<'o>(&'o AtomicBool);
+
+impl Drop for Ending<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Sends a line every 2 ms by the clock, until told to end.
+fn send_evenly(is_over: &AtomicBool, mut send: impl FnMut(u64) -> std::io::Result<()>) {
+    let begin = Instant::now();
+    for k in 0.. {
+        let due = begin + Duration::from_millis(2 * k);
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+        if is_over.load(Ordering::Relaxed) || send(k).is_err() {
+            return;
+        }
+    }
+}
+
+/// A device of TCP whose first connection ends within a line; what is lost, repeated and damaged is counted, and nothing else is.
+#[test]
+fn lost_repeated_and_damaged_lines_are_counted_and_a_link_that_breaks_is_taken_up_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let device = format!("text+tcp:{}", listener.local_addr().unwrap());
+    let log = path(&folder, "run.mcap");
+    let is_over = AtomicBool::new(false);
+    let ran = std::thread::scope(|scope| {
+        let _ending = Ending(&is_over);
+        scope.spawn(|| {
+            let (mut first, _) = listener.accept().unwrap();
+            first.write_all(b"t_us,seq,motor_speed_rad_s,torque_Nm\n").unwrap();
+            let begin = Instant::now();
+            let line = |k: u64| format!("{},{k},{},0.25\n", 2000 * k, 0.5 * k as f64);
+            send_evenly(&is_over, |k| {
+                match k {
+                    // Three are lost, one comes twice, one is damaged.
+                    1000..1003 => Ok(()),
+                    1100 => first.write_all(line(k).repeat(2).as_bytes()),
+                    1200 => first.write_all(b"2400000,1200,600,0.2x5\n"),
+                    1300.. => Err(std::io::ErrorKind::BrokenPipe.into()),
+                    _ => first.write_all(line(k).as_bytes()),
+                }
+            });
+            first.write_all(b"2600000,1300,650.0,0.").unwrap();
+            drop(first);
+            let (mut second, _) = listener.accept().unwrap();
+            let now = || begin.elapsed().as_millis() as u64 / 2;
+            let start = now();
+            send_evenly(&is_over, |k| second.write_all(line(start + k).as_bytes()));
+        });
+        record(&device, &log, &["--duration", "4s"])
+    });
+    let document = document(&ran);
+    assert_eq!(ran.code, Some(3), "{ran:?}");
+    assert_eq!(
+        (&document["repeated"], &document["late"], &document["clock_jumps"]),
+        (&1.into(), &0.into(), &0.into())
+    );
+    assert_eq!((&document["damaged"], &document["interruptions"]), (&2.into(), &1.into()), "{ran:?}");
+    let [samples, lost] = ["samples", "lost"].map(|key| document[key].as_u64().unwrap());
+    // 4 s at 500 Hz are there or known to be missing: three, one damaged, and those while the link was gone.
+    assert!((1999..=2001).contains(&(samples + lost)) && lost >= 4, "{samples} {lost}");
+    let drift = document["clock"]["drift_1"].as_f64().unwrap();
+    assert!(drift.abs() < 0.05, "{drift}");
+    // No sample is wrong: the speed is that of its time.
+    let data = socam_recording::Dataset::open(&log).unwrap().load(&["motor_speed", "torque"]).unwrap();
+    let [speed, torque] = [0, 1].map(|column: usize| data.columns[column].values());
+    assert!(torque.iter().all(|torque| *torque == 0.25));
+    for (time_s, speed) in data.time_s.iter().zip(speed) {
+        let expected = speed_0(&data) + 250.0 * time_s;
+        assert!((speed - expected).abs() < 1e-6, "{time_s} {speed} {expected}");
+    }
+}
+
+/// Speed at time 0: lines before the first recorded one may be missed at the start.
+fn speed_0(data: &socam_recording::Loaded) -> f64 {
+    data.columns[0].values()[0] - 250.0 * data.time_s[0]
+}
+
+/// What a device does not state is asked once: the file is written with question marks, completed, and used.
+#[test]
+fn what_a_device_does_not_state_is_asked_once_and_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, file) = (path(&folder, "run.mcap"), path(&folder, "device.toml"));
+    let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let device = format!("udp:{port}");
+    let is_over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let _ending = Ending(&is_over);
+        scope.spawn(|| {
+            // Nobody listens between the commands, which is no reason to end.
+            let packet = |k: u64| {
+                format!("{{\"timestamp\":{},\"motor\":{{\"speed\":{k},\"x\":1}}}}", 0.002 * k as f64)
+            };
+            send_evenly(&is_over, |k| {
+                let _ = sender.send_to(packet(k).as_bytes(), port);
+                Ok(())
+            });
+        });
+        let asked = record(&device, &log, &["--describe", &file]);
+        assert_eq!(asked.code, Some(1));
+        assert!(
+            asked
+                .stderr
+                .contains("does not state the unit of `motor.speed`, the unit of `motor.x`: replace each"),
+            "{asked:?}"
+        );
+        assert!(!Path::new(&log).exists());
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert!(text.contains("perhaps \"rpm\""), "{text}");
+        let complete =
+            text.replacen("unit = \"?\"", "unit = \"rpm\"", 1).replace("unit = \"?\"", "unit = \"V\"");
+        std::fs::write(&file, complete).unwrap();
+        let ran = record(&device, &log, &["--describe", &file, "--duration", "1s"]);
+        let document = document(&ran);
+        assert_eq!(document["end"], "finished", "{ran:?}");
+        assert_eq!(document["samples"].as_u64().unwrap() + document["lost"].as_u64().unwrap(), 500);
+        // A clock in another unit than the file says is noticed before anything is recorded.
+        let lying = std::fs::read_to_string(&file).unwrap().replace("unit = \"s\"", "unit = \"ms\"");
+        std::fs::write(&file, lying).unwrap();
+        let refused = record(&device, &path(&folder, "lie.mcap"), &["--describe", &file]);
+        assert!(refused.refusal(1).contains("the device's clock `timestamp` runs "), "{refused:?}");
+    });
+    let info = run(["info", "--json", &log]).stdout;
+    assert!(info.contains("device.toml") && info.contains("motor_speed"), "{info}");
+}
+
+/// The recorder's promise holds for every device: killed, it leaves all but the last second.
+#[test]
+fn a_killed_recorder_leaves_the_samples_of_a_device() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = path(&folder, "run.mcap");
+    let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let is_over = AtomicBool::new(false);
+    let mut command = socam_host();
+    command.args(["record", "-o", &log, "--device", &format!("udp:{port}")]);
+    let mut recorder = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    std::thread::scope(|scope| {
+        let _ending = Ending(&is_over);
+        scope.spawn(|| {
+            let packet = |k: u64| format!("t_us:{},speed_rad_s:{k}", 2000 * k);
+            send_evenly(&is_over, |k| {
+                let _ = sender.send_to(packet(k).as_bytes(), port);
+                Ok(())
+            });
+        });
+        let begin = Instant::now();
+        while !Path::new(&log).exists() && begin.elapsed() < Duration::from_secs(20) {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        std::thread::sleep(Duration::from_millis(1500));
+        let _ = recorder.kill();
+    });
+    let _ = recorder.wait();
+    let data = socam_recording::Dataset::open(&log).unwrap();
+    // 1.5 s were listened to before the file was there, and are in it.
+    assert!(data.rows() > 1000 && data.lost_samples() == 0, "{} {}", data.rows(), data.lost_samples());
+}
+
+/// Devices that send nonsense: one sentence each, no panic, no file.
+#[test]
+fn hostile_devices_are_refused_in_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let endless = |line: &[u8]| line.repeat(1 + (1 << 16) / line.len());
+    let noise: Vec<u8> =
+        (0..1_u32 << 16).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8 | 0x80).collect();
+    let devices: [(&str, Vec<u8>, &str); 8] = [
+        ("noise", noise, "none of the"),
+        ("utf-16", "1,2\n3,4\n5,6\n".encode_utf16().flat_map(u16::to_be_bytes).collect(), "none of the"),
+        ("no line", b"1".repeat(1 << 18), "none of the"),
+        ("words", endless(b"hello world\n"), "none of the"),
+        ("nothing but missing", endless(b"nan,nan\n"), "none of the"),
+        ("broken JSON", endless(b"{\"a\": \n"), "none of the"),
+        ("numbers beyond all", endless(b"1e999,1e999\n"), "none of the"),
+        ("no names", endless(b"0.5 1.5\n"), "does not state the unit of `column 1`"),
+    ];
+    std::thread::scope(|scope| {
+        for (name, bytes, sentence) in &devices {
+            let log = path(&folder, &format!("{name}.mcap"));
+            scope.spawn(move || {
+                let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+                let device = format!("text+tcp:{}", listener.local_addr().unwrap());
+                std::thread::scope(|scope| {
+                    scope.spawn(|| {
+                        let (mut link, _) = listener.accept().unwrap();
+                        let _ = link.write_all(bytes);
+                        // It stays connected until it is given up.
+                        let _ = link.read(&mut [0]);
+                    });
+                    let ran = record(&device, &log, &[]);
+                    assert!(ran.refusal(1).contains(sentence), "{name}: {ran:?}");
+                    assert!(!Path::new(&log).exists(), "{name}");
+                });
+            });
+        }
+    });
+}
+
+/// A drive on a pseudo-terminal, in the place of its serial line.
+fn drive(is_over: &AtomicBool, mut line: TTYPort, mut answer: impl FnMut(f64, &[u8]) -> Vec<u8>) {
+    let begin = Instant::now();
+    line.set_timeout(Duration::from_millis(5)).unwrap();
+    let mut bytes = [0; 4096];
+    while !is_over.load(Ordering::Relaxed) {
+        if let Ok(count) = line.read(&mut bytes) {
+            let answer = answer(begin.elapsed().as_secs_f64(), &bytes[..count]);
+            let _ = line.write_all(&answer);
+        }
+    }
+}
+
+#[test]
+fn drives_are_asked_at_a_rate_and_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let motor = Turning { speed_rad_s: 12.5, torque_nm: 0.25, current_a: 1.5, voltage_v: 24.0, fault: 0 };
+    for kind in ["moteus", "odrive"] {
+        let (ours, theirs) = TTYPort::pair().unwrap();
+        let device = format!("{kind}:{}", theirs.name().unwrap());
+        let is_over = AtomicBool::new(false);
+        let log = path(&folder, &format!("{kind}.mcap"));
+        let ran = std::thread::scope(|scope| {
+            let _ending = Ending(&is_over);
+            scope.spawn(|| {
+                let (mut moteus, mut odrive) = (MoteusSimulator::new(1, motor), OdriveSimulator::new(motor));
+                drive(&is_over, ours, |time_s, bytes| match kind {
+                    "moteus" => moteus.receive(time_s, bytes),
+                    _ => odrive.receive(time_s, bytes),
+                });
+            });
+            record(&device, &log, &["--duration", "1s", "--rate", "200"])
+        });
+        let document = document(&ran);
+        assert_eq!(document["damaged"], 0, "{ran:?}");
+        assert!((150..=201).contains(&document["samples"].as_u64().unwrap()), "{ran:?}");
+        let data = socam_recording::Dataset::open(&log).unwrap().load(&["speed", "voltage"]).unwrap();
+        assert!(data.columns[0].values().iter().all(|speed| (speed - 12.5).abs() < 1e-4));
+        assert!(data.columns[1].values().iter().all(|voltage| *voltage == 24.0));
+    }
+}
+
+#[test]
+fn what_only_a_board_understands_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = record("udp:127.0.0.1:9", &path(&folder, "x.mcap"), &["--profile", "steps"]);
+    assert!(refused.refusal(2).contains("--profile commands a board or a virtual bench"), "{refused:?}");
+    assert_eq!(run(["devices", "--json"]).json()["schema"], "socam.devices/1");
+}
