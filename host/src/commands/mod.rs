@@ -15,6 +15,7 @@ mod efficiency;
 mod export;
 #[cfg(feature = "exchange")]
 mod export_model;
+mod first_run;
 mod flash;
 #[cfg(feature = "fleet")]
 mod fleet;
@@ -209,6 +210,7 @@ commands! {
     VirtualBoard => virtual_board,
     Dashboard => dashboard if "window",
     Flash => flash,
+    FirstRun => first_run,
     New => new,
     Model => model,
     Template => template,
