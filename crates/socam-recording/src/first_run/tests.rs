@@ -13,7 +13,7 @@ fn samples(calibration: &Calibration, wiring: impl Fn(f64, f64) -> (f64, f64), p
         let volts = levels[row / 500];
         for _ in 0..100 {
             amperes += (volts - 3.0 * amperes - 0.02 * rad_s) / 1e-3 * 1e-5;
-            rad_s += (0.02 * amperes - 1e-3 * (rad_s / 0.1).tanh()) / 2e-5 * 1e-5;
+            rad_s += (0.02 * amperes - 1e-3 * (rad_s / 0.1).tanh()) / 5e-6 * 1e-5;
             turns += rad_s / TAU * 1e-5;
         }
         let (turns, measured) = wiring(turns, amperes);
