@@ -8,6 +8,7 @@ pub mod hover;
 mod layer;
 mod marks;
 mod picture;
+mod ruler;
 mod wheel;
 
 use egui::{Align2, Color32, FontId, Rect, Response, Role, Ui, WidgetInfo};
@@ -20,6 +21,8 @@ use crate::theme;
 pub use axes::with_room;
 use axes::{moved, padded, scaled, unscaled};
 pub use empty::empty_state;
+pub use picture::take as take_picture;
+pub use ruler::ruler;
 use wheel::after_wheel;
 
 /// One chart.
@@ -45,6 +48,11 @@ pub struct Chart {
     pub lit: Option<usize>,
     /// Opacity of curves, 0 to 1; less than 1 where many lie on each other, see [`opacity`].
     pub opacity: f32,
+    /// The stack whose vertical axes are equally wide, so that times stand above each other; without it, all charts of the surrounding
+    /// part of the window.
+    pub stack: Option<egui::Id>,
+    /// Whether room is left for a colour bar, so that this chart has the width of another one that has a bar.
+    pub leaves_room: bool,
     /// Cloud of dots or field of colours drawn below the curves, with a colour bar.
     pub backdrop: Option<Backdrop>,
     /// Shaded ranges of the horizontal axis, such as gaps.
@@ -59,8 +67,6 @@ pub struct Chart {
     pub hover: Option<f64>,
     /// The samples of the curves that are nearest to `hover`; empty: the drawn points are read, which may be extremes of many samples.
     pub readings: Vec<Option<[f64; 2]>>,
-    /// Whether the menu of the chart offers to save a picture, which is then in [`Shown::to_save`].
-    pub can_save: bool,
     /// Text that is shown if there is nothing to draw.
     pub when_empty: &'static str,
 }
@@ -93,8 +99,6 @@ pub struct Shown {
     pub frame: Rect,
     /// The area of the chart with its axes.
     pub whole: Rect,
-    /// The picture that the user asked to save.
-    pub to_save: Option<egui::ColorImage>,
 }
 
 /// Contents of a drawn chart, for exports.
@@ -152,6 +156,8 @@ impl Chart {
             curves: Vec::new(),
             lit: None,
             opacity: 1.0,
+            stack: None,
+            leaves_room: false,
             backdrop: None,
             shaded: Vec::new(),
             bands: Vec::new(),
@@ -159,7 +165,6 @@ impl Chart {
             flag_words: true,
             hover: None,
             readings: Vec::new(),
-            can_save: false,
             when_empty: "nothing to draw here",
         }
     }
@@ -215,7 +220,7 @@ impl Chart {
             (x_now, y_now) = (across.unwrap_or(x_now), up.unwrap_or(y_now));
         }
         // Taken before the values at the pointer are drawn.
-        let (response, to_save) = picture::menu(ui, answer.response, whole, self.can_save);
+        let response = picture::menu(ui, answer.response, whole);
         hover::show(ui, &painter, &transform, &self, pointer);
         let beside = |flag: &&Flag| pointer.is_some_and(|pos| (at(flag.x) - pos.x).abs() < 4.0);
         let told: Vec<&str> = self.flags.iter().filter(beside).map(|flag| flag.text.as_str()).collect();
@@ -232,7 +237,6 @@ impl Chart {
             pointer_x: pointer_at.map(|x| if log_x { 10_f64.powf(x) } else { x }),
             frame,
             whole,
-            to_save,
         }
     }
 

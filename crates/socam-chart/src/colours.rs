@@ -87,7 +87,18 @@ impl Colours {
             }
         }
         let colour = ui.visuals().text_color();
-        let label = painter.layout_no_wrap(self.label.clone(), FontId::proportional(12.0), colour);
+        let lay = |text: &str, size: f32| {
+            painter.layout_no_wrap(text.to_owned(), FontId::proportional(size), colour)
+        };
+        let whole = lay(&self.label, 12.0);
+        // A label that is longer than the bar is set in smaller letters, then without its quantity: the unit says more.
+        let label = if whole.size().x <= bar.height() {
+            whole
+        } else if 0.75 * whole.size().x <= bar.height() {
+            lay(&self.label, 9.0)
+        } else {
+            lay(crate::chart::hover::unit(&self.label), 9.0)
+        };
         let at = pos2(frame.right() + ROOM - label.size().y, frame.center().y + 0.5 * label.size().x);
         painter.add(TextShape::new(at, label, colour).with_angle(-std::f32::consts::FRAC_PI_2));
     }

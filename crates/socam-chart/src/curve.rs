@@ -26,6 +26,16 @@ pub struct Flag {
     pub text: String,
     /// Colour of the mark.
     pub colour: Color32,
+    /// Whether the line is short, at the bottom of the chart.
+    pub is_short: bool,
+}
+
+impl Flag {
+    /// A flag as high as the chart.
+    #[must_use]
+    pub fn new(x: f64, text: impl Into<String>, colour: Color32) -> Self {
+        Self { x, text: text.into(), colour, is_short: false }
+    }
 }
 
 /// The scale of an axis.

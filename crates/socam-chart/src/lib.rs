@@ -2,6 +2,7 @@
 //!
 //! Nothing here knows a view, a recording or a model: a [`chart::Chart`] is given lines as points, and a [`table::Table`] is given rows.
 
+pub mod beside;
 pub mod chart;
 pub mod colours;
 mod curve;

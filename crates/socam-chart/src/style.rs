@@ -9,6 +9,12 @@ pub enum Style {
     Solid,
     /// A dashed line.
     Dashed,
+    /// A very wide line, for a prediction below another one.
+    Wide,
+    /// A wide line, for a prediction below a measured signal.
+    Broad,
+    /// A thin line, for a measured signal above predictions.
+    Thin,
     /// A line with a marker at each point.
     Dotted,
     /// Markers only.

@@ -122,6 +122,9 @@ impl Drawing {
             match curve.style {
                 Style::Solid => series.push(new(name, &class, Mark::Line)),
                 Style::Dashed => series.push(new(name, &format!("{class} dashed"), Mark::Line)),
+                Style::Wide => series.push(new(name, &format!("{class} wide"), Mark::Line)),
+                Style::Broad => series.push(new(name, &format!("{class} broad"), Mark::Line)),
+                Style::Thin => series.push(new(name, &format!("{class} thin"), Mark::Line)),
                 Style::Dotted => {
                     series.extend([new(name, &class, Mark::Line), new("", &class, Mark::Points)])
                 }

@@ -1,7 +1,7 @@
 //! Colours, fonts and spacing, light and dark.
 //!
-//! Lines have the colours of Okabe and Ito, which can be distinguished with any kind of colour blindness, lightened on a dark
-//! background. No information is given by colour alone.
+//! Any two of the eight colours of lines differ for people with normal sight, protanopia, deuteranopia and tritanopia, and all have a
+//! contrast of 3:1 or more to their ground, as the outlines of controls have; text has 4.5:1. The tests of this file hold it.
 
 use crate::style::{MarkerShape, Style};
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Theme, Ui, Visuals, vec2};
@@ -29,24 +29,24 @@ const fn rgb(hex: u32) -> Color32 {
 }
 
 const LINES_LIGHT: [Color32; 8] = [
-    rgb(0x0072b2),
-    rgb(0xd55e00),
-    rgb(0x009e73),
-    rgb(0xb0568c),
-    rgb(0x56b4e9),
-    rgb(0xb87900),
-    rgb(0x5c5c5c),
-    rgb(0x7a5195),
+    rgb(0x0c5bd5),
+    rgb(0xde6b00),
+    rgb(0x558a6a),
+    rgb(0xc272a4),
+    rgb(0x0b91e9),
+    rgb(0x8f4e03),
+    rgb(0x4d4c56),
+    rgb(0xaa0f8c),
 ];
 const LINES_DARK: [Color32; 8] = [
-    rgb(0x56b4e9),
-    rgb(0xff8a4c),
-    rgb(0x2fcf9f),
-    rgb(0xe59ac4),
-    rgb(0x9ad8ff),
-    rgb(0xf0c330),
-    rgb(0xc4c8cc),
-    rgb(0xb79ae0),
+    rgb(0x18acf1),
+    rgb(0xe58a4a),
+    rgb(0x3bd791),
+    rgb(0xc28cb2),
+    rgb(0x4077e6),
+    rgb(0xf3c107),
+    rgb(0xc7cbd5),
+    rgb(0x777a81),
 ];
 
 /// The colour of the line of this number. Colours repeat after eight lines, with markers on the lines: see [`marker`].
@@ -94,13 +94,13 @@ pub fn style(number: usize) -> Style {
 /// Colour of errors and of places of findings.
 #[must_use]
 pub fn alarm(ui: &Ui) -> Color32 {
-    if ui.visuals().dark_mode { rgb(0xff8a4c) } else { rgb(0xc24e00) }
+    if ui.visuals().dark_mode { rgb(0xff8a4c) } else { rgb(0xb34700) }
 }
 
 /// Colour of success and of the corrected model.
 #[must_use]
 pub fn good(ui: &Ui) -> Color32 {
-    if ui.visuals().dark_mode { rgb(0x56b4e9) } else { rgb(0x0072b2) }
+    if ui.visuals().dark_mode { rgb(0x56b4e9) } else { rgb(0x006aa6) }
 }
 
 /// Background of an alarm.
@@ -111,6 +111,12 @@ pub fn alarm_ground(ui: &Ui) -> Color32 {
 
 /// Colour of the stop button.
 pub const STOP: Color32 = rgb(0xc1121f);
+
+/// Colour of text.
+#[must_use]
+pub fn body(ui: &Ui) -> Color32 {
+    ui.visuals().text_color()
+}
 
 /// Colour of secondary text.
 #[must_use]
@@ -166,7 +172,11 @@ fn light() -> Visuals {
     visuals.selection.stroke = Stroke::new(1.0, rgb(0x00466f));
     visuals.hyperlink_color = rgb(0x0067a3);
     text(&mut visuals, rgb(0x1f262c), rgb(0x000000));
-    ground(&mut visuals, [rgb(0xe3e8ec), rgb(0xd5dde3), rgb(0xc2cdd6)], rgb(0xcdd5db));
+    ground(
+        &mut visuals,
+        [rgb(0xe3e8ec), rgb(0xd5dde3), rgb(0xc2cdd6)],
+        [rgb(0xcdd5db), rgb(0x6f7b86), rgb(0x006aa6)],
+    );
     visuals
 }
 
@@ -180,7 +190,11 @@ fn dark() -> Visuals {
     visuals.selection.stroke = Stroke::new(1.0, rgb(0xd5ecff));
     visuals.hyperlink_color = rgb(0x74c0f5);
     text(&mut visuals, rgb(0xdde3e8), rgb(0xffffff));
-    ground(&mut visuals, [rgb(0x2a3138), rgb(0x36404a), rgb(0x455260)], rgb(0x333b43));
+    ground(
+        &mut visuals,
+        [rgb(0x2a3138), rgb(0x36404a), rgb(0x455260)],
+        [rgb(0x333b43), rgb(0x7d8a96), rgb(0x56b4e9)],
+    );
     visuals
 }
 
@@ -193,7 +207,12 @@ fn text(visuals: &mut Visuals, body: Color32, strong: Color32) {
     widgets.open.fg_stroke.color = strong;
 }
 
-fn ground(visuals: &mut Visuals, [inactive, hovered, active]: [Color32; 3], line: Color32) {
+/// Fills of controls, the lines between parts of the window, outlines of controls, and the ring around the control that has the keyboard.
+fn ground(
+    visuals: &mut Visuals,
+    [inactive, hovered, active]: [Color32; 3],
+    [line, outline, focus]: [Color32; 3],
+) {
     let widgets = &mut visuals.widgets;
     widgets.noninteractive.bg_stroke = Stroke::new(1.0, line);
     for (widget, fill) in [
@@ -204,11 +223,15 @@ fn ground(visuals: &mut Visuals, [inactive, hovered, active]: [Color32; 3], line
     ] {
         widget.weak_bg_fill = fill;
         widget.bg_fill = fill;
-        widget.bg_stroke = Stroke::NONE;
+        widget.bg_stroke = Stroke::new(1.0, outline);
         widget.expansion = 0.0;
         widget.corner_radius = CornerRadius::same(4);
     }
-    widgets.hovered.bg_stroke = Stroke::new(1.0, active);
+    // A control that has the keyboard is drawn as an active one.
+    widgets.active.bg_stroke = Stroke::new(2.0, focus);
     visuals.window_stroke = Stroke::new(1.0, line);
     visuals.slider_trailing_fill = true;
 }
+
+#[cfg(test)]
+mod tests;

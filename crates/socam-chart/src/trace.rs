@@ -7,14 +7,26 @@ mod columns;
 
 use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2};
 
+use crate::style::Style;
+
 /// Width of lines, points. Thinner lines fade between two rows of pixels.
-pub(super) const WIDTH: f32 = 1.7;
+const WIDTH: f32 = 1.7;
 /// Length of a dash and of the space after it, points.
-const DASH: [f32; 2] = [5.0, 3.1];
+pub(super) const DASH: [f32; 2] = [5.0, 3.1];
 /// Number of points that are judged together whether they are dense.
 const GROUP: usize = 32;
 /// Distance beyond the clip rectangle at which lines are cut, points: large coordinates lose digits as 32-bit numbers.
 const BEYOND: f64 = 32.0;
+
+/// Width of a line of this style, points.
+pub(super) fn width(style: Style) -> f32 {
+    match style {
+        Style::Wide => 5.0,
+        Style::Broad => 3.2,
+        Style::Thin => 1.0,
+        _ => WIDTH,
+    }
+}
 
 /// A pen for lines.
 #[derive(Debug, Clone, Copy)]

@@ -58,7 +58,7 @@ fn over_time(ui: &mut Ui, samples: &Samples, seen: &mut Vec<Seen>) {
         chart.curves = (0..2).map(|channel| curve(samples, channel, theme::line(ui, channel), x)).collect();
         chart.y = chart.fitted(Some([-3.2, 3.2]));
         chart.shaded = vec![([8.999, 9.8], theme::line(ui, 0).gamma_multiply(0.16))];
-        chart.flags = vec![Flag { x: 12.5, text: "fault: too fast".into(), colour: theme::alarm(ui) }];
+        chart.flags = vec![Flag::new(12.5, "fault: too fast", theme::alarm(ui))];
         chart.lit = (number == 1).then_some(1);
         chart.hover = (number == 1).then_some(1.1);
         chart.show(ui, seen);

@@ -8,26 +8,26 @@ mod opening;
 use std::path::{Path, PathBuf};
 
 use egui::{Frame, Key, Margin, Ui};
-use socam_chart::chart::Seen;
-use socam_chart::theme;
+use socam_chart::chart::{self, Seen};
+use socam_chart::{raster, theme};
 use socam_model::Model;
 use socam_workbench::document::Document;
 use socam_workbench::entry::Entry;
 use socam_workbench::job::Job;
+use socam_workbench::purpose::Purpose;
 use socam_workbench::recording::Recording;
 use socam_workbench::{Content, Request, View, Workspace};
 
 use crate::help;
 use crate::layout::Layout;
 use crate::platform::{self, Views};
+use crate::progress::wake;
 
 /// An error or a remark; it is shown until it is dismissed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Notice {
     text: String,
     grave: bool,
-    /// A file that a mapping would help to open.
-    to_map: Option<String>,
 }
 
 /// Simulates a model with the inputs of the recording of that name; an error is one sentence.
@@ -171,17 +171,27 @@ impl Dashboard {
 
     /// Shows a remark.
     pub(crate) fn say(&mut self, text: impl Into<String>) {
-        self.notices.push(Notice { text: text.into(), grave: false, to_map: None });
+        self.notices.push(Notice { text: text.into(), grave: false });
     }
 
     /// Shows an error, unless it is shown already.
     pub fn warn(&mut self, text: impl Into<String>) {
-        self.notify(Notice { text: text.into(), grave: true, to_map: None });
+        self.notify(Notice { text: text.into(), grave: true });
     }
 
     fn notify(&mut self, notice: Notice) {
         if !self.notices.contains(&notice) {
             self.notices.push(notice);
+        }
+    }
+
+    /// The title of the window: the states of the bench and of the watch are seen in the list of windows, too.
+    #[must_use]
+    pub fn title(&self) -> String {
+        let bench = self.workspace.bench.state_text();
+        match &self.workspace.watch {
+            Some(watch) => format!("socam: {bench}; watch: {}", watch.text),
+            None => format!("socam: {bench}"),
         }
     }
 
@@ -193,6 +203,9 @@ impl Dashboard {
         self.take_saved();
         self.begin(&ctx);
         self.workspace.listen();
+        if self.workspace.recent != self.layout.recent {
+            self.workspace.recent.clone_from(&self.layout.recent);
+        }
         for view in Views::NAMES {
             self.views.get(*view).poll(&ctx, &mut self.workspace);
         }
@@ -204,8 +217,15 @@ impl Dashboard {
                 self.bar(ui);
             });
         self.views.get(self.layout.view).bar(ui, &mut self.workspace);
+        crate::layout::set_free(&ctx, ui.available_rect_before_wrap());
         self.messages(ui);
         self.views.get(self.layout.view).ui(ui, &mut self.workspace, &mut self.seen);
+        if let Some(image) = chart::take_picture(&ctx) {
+            self.workspace.request(match raster::png(&image) {
+                Ok(bytes) => Request::SaveAs(Purpose::SavePicture, "plot.png".into(), Content::Bytes(bytes)),
+                Err(sentence) => Request::Warn(sentence),
+            });
+        }
         self.answer_requests(&ctx);
         self.dialogs(&ctx);
         if let Some(command) = self.help.is_open.then(|| self.help.ui(&ctx)).flatten() {
@@ -220,7 +240,14 @@ impl Dashboard {
         for request in self.workspace.take_requests() {
             match request {
                 Request::Show(view) => self.layout.view = view,
+                Request::Ask => self.ask(ctx, Purpose::Open, ""),
+                Request::VirtualBench => {
+                    self.workspace.device = "sim".into();
+                    self.workspace.connect(wake(ctx));
+                    self.layout.view = View::Live;
+                }
                 Request::Open(path) => self.open([path]),
+                Request::Columns(run) => self.ask_for_columns(&run),
                 Request::Save(path, bytes) => self.put(&path, Ok(bytes)),
                 Request::SaveAs(purpose, name, content) => {
                     self.content = Some(content);
@@ -246,6 +273,9 @@ impl Dashboard {
         };
         if self.workspace.bench.is_connected() && ctx.input(stop) {
             self.workspace.bench.emergency_stop();
+        }
+        if ctx.input(|input| input.key_pressed(Key::Escape)) {
+            self.help.is_open = false;
         }
         self.shortcuts(ctx);
     }

@@ -3,6 +3,7 @@
 use egui::{Button, Grid, RichText, Role, ScrollArea, TextEdit, Ui, WidgetInfo};
 
 use crate::commands::Command;
+use crate::layout;
 use crate::platform::Views;
 use crate::view::Help;
 use socam_chart::theme;
@@ -18,15 +19,23 @@ const FRAME: [(&str, Help); 2] = [
             ),
             ("a view's name", "shows that view"),
             (
+                "Watch: ...",
+                "the state of the watch, in every view and in the window's title: not judged, as usual, or its alarms; a click shows the watch",
+            ),
+            (
                 "Ctrl+O; drop",
-                "opens recordings (.mcap, .csv, .m, and files of other programs that state their units), models and profiles (.toml), identifications and diagnoses (.json, or a report's folder), and the table of a fleet (.parquet)",
+                "opens recordings (.mcap, .csv, .m, and tables of other programs), models and profiles (.toml), identifications and diagnoses (.json, or a report's folder), and the table of a fleet (.parquet)",
             ),
             ("Export what is seen", ".png and .svg are pictures, .csv has the lines' points"),
+            (
+                "Open...; Try the virtual bench",
+                "of a window without recordings: asks for files; connects to a bench in this program",
+            ),
             ("Cancel", "gives up what is being opened, saved, drawn or diagnosed; nothing is left of it"),
             ("Dismiss", "puts a message away"),
             (
-                "Write a mapping",
-                "for a file of another program that does not state its units or times: writes a text file beside it to complete, with which it opens",
+                "Set units...; Channel of ...; Unit of ...; Take ...; Open with these",
+                "for a file that does not state its units or times, which is drawn as plain numbers: a row for each column, with guesses to take; written to a mapping beside the file, with which it opens from then on",
             ),
             ("Choose here", "while a window of the desktop asks for a file: asks in this window instead"),
             ("Sort by ...", "a column's head sorts the table by it, and pressed again the other way round"),
@@ -44,11 +53,14 @@ const FRAME: [(&str, Help); 2] = [
             ("Input Signal", "what the bench is to do"),
             (
                 "Help; Close window; Search the help; Run: ...",
-                "opens this and closes it; the list is searched by words, and a command in it is run by a click",
+                "opens this and closes it, as F1 does; Esc closes it, too; the list is searched by words, and a command in it is run by a click",
             ),
         ],
     ),
 ];
+
+/// Size of the frame and the title of a floating window, points.
+const FRAME_OF_WINDOW: egui::Vec2 = egui::vec2(16.0, 48.0);
 
 /// Title and controls of each part of the window.
 fn parts() -> impl Iterator<Item = (&'static str, Help)> {
@@ -86,7 +98,10 @@ impl Window {
     pub(crate) fn ui(&mut self, ctx: &egui::Context) -> Option<Command> {
         let mut open = self.is_open;
         let mut wanted = None;
+        // It never covers the emergency stop.
+        let free = layout::free(ctx).shrink(4.0);
         let window = egui::Window::new("What each control does").open(&mut open).default_size([720.0, 560.0]);
+        let window = window.constrain_to(free).max_size(free.size() - FRAME_OF_WINDOW);
         window.collapsible(false).show(ctx, |ui| {
             let field = ui
                 .add(TextEdit::singleline(&mut self.search).desired_width(f32::INFINITY).hint_text("search"));

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use egui::{Id, Ui};
+use egui::{Id, Rect, Ui};
 use serde::{Deserialize, Serialize};
 
 use socam_chart::theme::Look;
@@ -62,6 +62,20 @@ impl Default for Layout {
             plots: Arrangement::default(),
         }
     }
+}
+
+fn free_place() -> Id {
+    Id::unique("part of the window below the bars")
+}
+
+/// Keeps the part of the window that floating windows may cover: what is below the emergency stop and the controls of the bench.
+pub(crate) fn set_free(ctx: &egui::Context, free: Rect) {
+    ctx.data_mut(|data| data.insert_temp(free_place(), free));
+}
+
+/// The part of the window that floating windows may cover.
+pub(crate) fn free(ctx: &egui::Context) -> Rect {
+    ctx.data(|data| data.get_temp(free_place())).unwrap_or_else(|| ctx.content_rect())
 }
 
 /// Widths of panels by name, points; kept in the data of the egui context.

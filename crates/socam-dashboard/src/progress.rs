@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use egui::{ProgressBar, Ui};
+use egui::{Label, ProgressBar, RichText, Ui};
+use socam_chart::theme;
 use socam_workbench::Wake;
 use socam_workbench::job::Job;
 
@@ -23,13 +24,15 @@ pub(crate) fn job<T: Send + 'static>(ui: &mut Ui, job: &Job<T>) -> bool {
         cancelled = ui.button("Cancel").clicked();
         ui.spinner();
         if reached > 0.0 {
-            ui.add(ProgressBar::new(reached).desired_width(160.0).show_percentage());
-        }
-        ui.label(&text);
-        if let Some(times) = job.times() {
-            ui.weak(times);
+            let width = ui.available_width().clamp(40.0, 160.0);
+            ui.add(ProgressBar::new(reached).desired_width(width).show_percentage());
         }
     });
+    // A long text takes more lines and not more width: it would widen the panel that it stands in.
+    ui.add(Label::new(&text).wrap());
+    if let Some(times) = job.times() {
+        ui.add(Label::new(RichText::new(times).color(theme::weak(ui))).wrap());
+    }
     if cancelled {
         job.cancel();
     }

@@ -26,6 +26,9 @@ pub use formats::{FileFormat, Hints, detect, fence::fenced, read};
 pub use import::{Imported, Understood, import};
 pub use mapping::{Between, ChannelMap, Clock, Mapping, SCHEMA, Stamps, Time};
 pub use open::{Opened, open, open_either, open_selection, probe};
-pub use propose::{Guessed, Proposal, Proposed, import_guessed, import_stated, propose};
+pub use propose::{
+    ClockChoice, ColumnChoice, Columns, Guessed, PLAIN_NUMBERS, Proposal, Proposed, import_guessed,
+    import_stated, propose,
+};
 pub use source::{Found, Group, Signal, Source, Wanted};
 pub use text::TextLayout;

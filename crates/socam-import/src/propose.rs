@@ -1,6 +1,7 @@
 //! Proposal of a mapping from names, units and statistics of a file, with the evidence.
 
 mod clocks;
+mod columns;
 mod draft;
 mod names;
 mod write;
@@ -16,6 +17,7 @@ use crate::import::{Imported, each, import_noted};
 use crate::mapping::Stamps;
 use crate::source::{Signal, Source};
 use crate::times::Times;
+pub use columns::{ClockChoice, ColumnChoice, Columns, PLAIN_NUMBERS};
 use draft::Draft;
 pub(crate) use names::likeliest;
 

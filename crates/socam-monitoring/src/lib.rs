@@ -27,6 +27,6 @@ pub use alarm::{Alarm, Cause, Event, Naming, Summary, Symptom, Verdict};
 pub use baseline::Baseline;
 pub use error::MonitorError;
 pub use monitor::Monitor;
-pub use overlay::{BlockSignals, Overlay, OverlayChannel, Phase};
+pub use overlay::{BlockSignals, Judgement, Overlay, OverlayChannel, Phase};
 pub use settings::Settings;
 pub use watched::{Document, Verdict as RecordingVerdict, Watched};

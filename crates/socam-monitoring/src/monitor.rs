@@ -218,6 +218,12 @@ impl Monitor {
         Ok(vec![Event::Learned(summary)])
     }
 
+    /// Number of blocks so far, judged or not.
+    #[must_use]
+    pub fn blocks(&self) -> usize {
+        self.view.judged + self.view.not_judged
+    }
+
     /// A snapshot for views.
     #[must_use]
     pub fn overlay(&self) -> Overlay {

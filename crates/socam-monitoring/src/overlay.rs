@@ -66,7 +66,36 @@ pub struct Overlay {
     pub not_judged: usize,
 }
 
+/// What the monitoring says about the health of the bench. Blocks that move otherwise than the baseline are not judged, and nothing is
+/// said about a bench of which no block was.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Judgement {
+    /// The baseline is being collected.
+    Learning,
+    /// No block was judged.
+    NotJudged,
+    /// Blocks were judged before, and none raised an alarm; none of those in the window was judged.
+    NotJudgedNow,
+    /// Blocks of the window were judged, and no alarm stands.
+    AsUsual,
+    /// An alarm stands.
+    Changed,
+}
+
 impl Overlay {
     /// Largest number of alarms that are kept.
     pub const MOST_ALARMS: usize = 100;
+
+    /// What can be said about the health of the bench at present.
+    #[must_use]
+    pub fn judgement(&self) -> Judgement {
+        let is_judged = |block: &Arc<BlockSignals>| !block.tests.is_empty();
+        match self.phase {
+            Phase::Learning { .. } => Judgement::Learning,
+            Phase::Alarmed => Judgement::Changed,
+            Phase::Watching if self.judged == 0 => Judgement::NotJudged,
+            Phase::Watching if !self.blocks.iter().any(is_judged) => Judgement::NotJudgedNow,
+            Phase::Watching => Judgement::AsUsual,
+        }
+    }
 }

@@ -6,7 +6,12 @@ use socam_identify::{Predictor, Start};
 use socam_model::{Intersample, Model};
 use socam_recording::{Channel, Dataset, Unit};
 
-use crate::{Alarm, Baseline, Event, Monitor, MonitorError, Phase, Settings, Symptom, Verdict};
+use std::sync::Arc;
+
+use crate::{
+    Alarm, Baseline, BlockSignals, Event, Judgement, Monitor, MonitorError, Overlay, Phase, Settings,
+    Symptom, Verdict,
+};
 
 const STEP_S: f64 = 2e-3;
 const NOISE_RAD_S: f64 = 0.05;
@@ -78,6 +83,11 @@ fn a_healthy_bench_raises_no_alarm() {
     assert_eq!(events, []);
     let overlay = monitor.overlay();
     assert_eq!((overlay.phase, overlay.not_judged), (Phase::Watching, 0));
+    assert_eq!(overlay.judgement(), Judgement::AsUsual);
+    let at_rest =
+        |block: &Arc<BlockSignals>| Arc::new(BlockSignals { tests: Vec::new(), ..(**block).clone() });
+    let resting = Overlay { blocks: overlay.blocks.iter().map(at_rest).collect(), ..overlay.clone() };
+    assert_eq!(resting.judgement(), Judgement::NotJudgedNow);
     // The window bounds memory.
     assert_eq!(overlay.blocks.len(), 20);
     let block = &overlay.blocks[7];
@@ -152,6 +162,7 @@ fn what_the_baseline_never_saw_is_not_judged() {
     let louder = Dataset::from_columns("louder", channels(), loaded.time_s, columns.collect()).unwrap();
     let (events, monitor) = watched(&louder, Settings::default());
     assert_eq!((events, monitor.overlay().not_judged), (Vec::new(), 40));
+    assert_eq!(monitor.overlay().judgement(), Judgement::NotJudged);
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn a_file_of_its_own_needs_no_page() {
     let file = standalone(&plot(&[0.0, 1.0], &[2.0, 3.0], Mark::Line));
     let document = roxmltree::Document::parse(&file).unwrap();
     let style = document.descendants().find(|node| node.has_tag_name("style")).unwrap().text().unwrap();
-    assert!(style.contains(".before { stroke: #c24e00; }") && !style.contains("var("), "{style}");
+    assert!(style.contains(".before { stroke: #b34700; }") && !style.contains("var("), "{style}");
     let row = || Row {
         title: "a <b> & c".into(),
         panels: [plot(&[0.0, 1.0], &[2.0, 3.0], Mark::Crosses), plot(&[], &[], Mark::Line)]

@@ -52,7 +52,8 @@ pub struct View<'a> {
     pub bar: Option<(Axis, [f64; 2])>,
 }
 
-/// Charts below each other as one file, in light colours. `style` colours the classes; the class `dashed` dashes a line.
+/// Charts below each other as one file, in light colours. `style` colours the classes; the class `dashed` dashes a line, and `wide`, `broad`
+/// and `thin` are widths.
 #[must_use]
 pub fn views(title: &str, views: &[View<'_>], style: &str) -> String {
     // Charts below each other share their left edge.
@@ -72,7 +73,8 @@ pub fn views(title: &str, views: &[View<'_>], style: &str) -> String {
         }
     };
     let style = format!(
-        "{style} .plot .dashed {{ stroke-dasharray: 5 3; }} .plot .flag {{ font-size: 10px; }} .plot .speckle {{ stroke-width: 2.2; }}"
+        "{style} .plot .dashed {{ stroke-dasharray: 5 3; }} .plot .line.wide {{ stroke-width: 4; }} .plot .line.broad {{ stroke-width: 2.6; }} \
+         .plot .line.thin {{ stroke-width: .7; }} .plot .flag {{ font-size: 10px; }} .plot .speckle {{ stroke-width: 2.2; }}"
     );
     drawing([WIDTH, top.max(1.0)], title, ("plot", &style), &content)
 }

@@ -4,6 +4,12 @@ mod numbers;
 
 pub use numbers::{chance, estimate, interval, level, number, percent, quantity, rough};
 
+/// `1 gap`, `2 gaps`
+#[must_use]
+pub fn counted(count: usize, one: &str, several: &str) -> String {
+    if count == 1 { format!("1 {one}") } else { format!("{count} {several}") }
+}
+
 /// A unit with its powers raised; nothing for a pure number.
 #[must_use]
 pub fn unit(unit: &str) -> String {

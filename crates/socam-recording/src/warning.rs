@@ -71,6 +71,14 @@ pub enum Warning {
         /// Number of samples.
         samples: u64,
     },
+    /// Samples that are absent from a damaged log, of which nothing says whether they were recorded.
+    #[error(
+        "{samples} samples are missing (by their sequence numbers): they are in the damaged parts, or were lost while recording"
+    )]
+    AbsentSamples {
+        /// Number of samples.
+        samples: u64,
+    },
     /// A log with fewer samples than its summary says.
     #[error(
         "the log says that {written} samples were written, and only {read} can be read: the file is damaged; copy it again from its source"
@@ -101,6 +109,26 @@ pub enum Warning {
 }
 
 impl Warning {
+    /// Samples that were lost while recording, as far as this warning says.
+    #[must_use]
+    pub fn lost_samples(&self) -> u64 {
+        match self {
+            Self::LostSamples { samples } => *samples,
+            Self::InFile { warning, .. } => warning.lost_samples(),
+            _ => 0,
+        }
+    }
+
+    /// Whether a part of the file is damaged.
+    #[must_use]
+    pub fn is_damage(&self) -> bool {
+        match self {
+            Self::Damaged { .. } => true,
+            Self::InFile { warning, .. } => warning.is_damage(),
+            _ => false,
+        }
+    }
+
     /// Warning about a column that does not become a channel because of the meaning of its numbers.
     #[must_use]
     pub fn left_aside(column: String, meaning: Meaning) -> Self {

@@ -140,6 +140,12 @@ impl Samples {
         stored[0].is_finite().then(|| stored.map(|value| f64::from(value) + middle))
     }
 
+    /// Number of missing values of a channel.
+    #[must_use]
+    pub fn missing(&self, channel: usize) -> u64 {
+        self.rows as u64 - self.moments(channel, 0..self.rows).count as u64
+    }
+
     /// The first row at or after a time; the number of rows where there is none.
     #[must_use]
     pub fn row_at(&self, time_s: f64) -> usize {

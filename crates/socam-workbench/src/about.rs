@@ -25,6 +25,17 @@ pub struct About {
     pub is_incomplete: bool,
 }
 
+/// Words in the warning of a recording whose file does not state all units.
+const PLAIN: &str = "drawn as plain numbers";
+
+impl About {
+    /// Whether its file does not state all units, so that some channels are plain numbers.
+    #[must_use]
+    pub fn has_plain_numbers(&self) -> bool {
+        self.warnings.iter().any(|warning| warning.contains(PLAIN))
+    }
+}
+
 /// Something that happened during a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Happening {

@@ -19,6 +19,8 @@ pub struct Entry {
     pub shift_s: f64,
     /// Number of its colour, which it keeps while others are opened and closed.
     pub number: usize,
+    /// Values that are missing in rows that are there, of all channels.
+    pub missing_values: u64,
     /// Channels that were derived from its own.
     pub(crate) derived: Vec<Derived>,
 }
@@ -29,7 +31,9 @@ impl Entry {
     pub fn new(recording: Recording, others: &[Self]) -> Self {
         let is_free = |number: &usize| others.iter().all(|other| other.number != *number);
         let number = (0..=others.len()).find(is_free).unwrap_or(others.len());
-        Self { recording, shown: true, shift_s: 0.0, number, derived: Vec::new() }
+        let missing_values =
+            (0..recording.samples.channels()).map(|own| recording.samples.missing(own)).sum();
+        Self { recording, shown: true, shift_s: 0.0, number, missing_values, derived: Vec::new() }
     }
 }
 

@@ -26,6 +26,15 @@ pub struct Identification {
     pub combinations: Vec<Parameter>,
     /// Fit of the model.
     pub fit: Fit,
+    /// Whether the model explains the recordings; `None` for inverse dynamics and in results of earlier versions.
+    #[serde(default)]
+    pub fit_verdict: Option<Explained>,
+    /// Residual of each channel in units of its sensor's noise, where that is known.
+    #[serde(default)]
+    pub misfit: BTreeMap<String, Option<f64>>,
+    /// Effects that the model may leave out, the one that would explain most first.
+    #[serde(default)]
+    pub suspects: Vec<Suspect>,
     /// Fits of recordings that were not fitted.
     #[serde(default)]
     pub validation: Vec<Validation>,
@@ -35,6 +44,101 @@ pub struct Identification {
     /// Anything a careful reader should know.
     #[serde(default)]
     pub warnings: Vec<String>,
+}
+
+/// Whether a model explains recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Explained {
+    /// To within the noise of the sensors.
+    #[serde(rename = "explained")]
+    Yes,
+    /// At least one channel is left by several times its noise.
+    #[serde(rename = "explained_to")]
+    InPart,
+    /// A channel is left by many times its noise.
+    #[serde(rename = "not_explained")]
+    No,
+    /// No channel has a noise level to compare with.
+    NotJudged,
+}
+
+/// An effect that a model may leave out.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Suspect {
+    /// Name of the effect in words.
+    pub name: String,
+    /// Place, or channel.
+    pub location: String,
+    /// Share of the squares left by the fit that it would explain, 0 to 1.
+    #[serde(deserialize_with = "or_nan")]
+    pub explains: f64,
+}
+
+/// Whether the intervals of an identification can be relied on, in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Verdict {
+    /// Headline.
+    pub title: &'static str,
+    /// What it rests on, and what to do.
+    pub reason: String,
+    /// Whether the model explains the recordings; `None` where nothing says so.
+    pub explains: Option<bool>,
+}
+
+impl Identification {
+    /// Whether the model explains its recordings: only then do its parameters mean what their names say.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        let worst = self.misfit.iter().filter_map(|(name, times)| Some((name, (*times)?)));
+        let worst = worst.max_by(|a, b| a.1.total_cmp(&b.1));
+        let most = worst.map_or_else(String::new, |(name, times)| {
+            format!("Largest residual: {name}, {} times the noise of its sensor.", digits(times))
+        });
+        let suspect = self.suspects.first().map_or_else(String::new, |one| {
+            let share = format!("{:.0} %", 100.0 * one.explains);
+            format!(" {} at {} would explain {share} of what is left.", capital(&one.name), one.location)
+        });
+        let doubt =
+            "Parameters have taken up a part of what the model leaves out: Diagnose says what that is.";
+        match self.fit_verdict {
+            Some(Explained::Yes) => {
+                let title = "The model explains these recordings";
+                Verdict { title, reason: most, explains: Some(true) }
+            }
+            Some(Explained::InPart) => {
+                let title = "The model explains these recordings only in part";
+                Verdict { title, reason: format!("{most}{suspect} {doubt}"), explains: Some(false) }
+            }
+            Some(Explained::No) => {
+                let title = "The model does not explain these recordings";
+                Verdict { title, reason: format!("{most}{suspect} {doubt}"), explains: Some(false) }
+            }
+            not_judged => {
+                let why = match not_judged {
+                    None => "This result does not compare its residuals with the noise of the sensors.",
+                    Some(_) => "The noise of no channel is known.",
+                };
+                let reason =
+                    format!("{why} Intervals hold the scatter of the noise, not what the model leaves out.");
+                Verdict {
+                    title: "Not judged: whether the model explains these recordings",
+                    reason,
+                    explains: None,
+                }
+            }
+        }
+    }
+}
+
+/// Two significant digits.
+fn digits(value: f64) -> String {
+    if value < 10.0 { format!("{value:.1}") } else { format!("{value:.0}") }
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
 /// One parameter or combination.
@@ -131,4 +235,38 @@ pub fn known(parameter: &Parameter) -> String {
         };
     }
     parameter.note.clone()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(more: &str) -> Identification {
+        let text = format!(
+            r#"{{"method":"output-error","model":"m","converged":true,"parameters":[],"fit":{{"channels":{{}}}}{more}}}"#
+        );
+        serde_json::from_str(&text).unwrap()
+    }
+
+    #[test]
+    fn intervals_of_a_model_that_does_not_explain_are_doubted() {
+        let suspects = r#","suspects":[{"effect":"e","name":"coulomb friction","location":"load_bearing","explains":0.84,"moves":{}}]"#;
+        let misfit = r#","misfit":{"torque_in":1.1,"torque_out":2.31,"speed":null}"#;
+        let verdict = with(&format!(r#","fit_verdict":"explained_to"{misfit}{suspects}"#)).verdict();
+        assert_eq!(
+            (verdict.title, verdict.explains),
+            ("The model explains these recordings only in part", Some(false))
+        );
+        let reason = "Largest residual: torque_out, 2.3 times the noise of its sensor. Coulomb friction at load_bearing would explain 84 % of what is left. Parameters";
+        assert!(verdict.reason.starts_with(reason), "{}", verdict.reason);
+        let verdict = with(r#","fit_verdict":"not_explained""#).verdict();
+        assert_eq!(
+            (verdict.title, verdict.explains),
+            ("The model does not explain these recordings", Some(false))
+        );
+        assert_eq!(with(&format!(r#","fit_verdict":"explained"{misfit}"#)).verdict().explains, Some(true));
+        for nothing in ["", r#","fit_verdict":"not_judged""#] {
+            assert_eq!(with(nothing).verdict().explains, None);
+        }
+    }
 }

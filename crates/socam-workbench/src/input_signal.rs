@@ -113,6 +113,31 @@ impl Settings {
     }
 }
 
+/// The amplitude of a profile, and the greatest one that its limit leaves beside its offset; `None` of a shape without an amplitude.
+#[must_use]
+pub fn amplitude(file: &ProfileFile) -> Option<(f64, f64)> {
+    match file.waveform {
+        Waveform::Sine { offset, amplitude, .. }
+        | Waveform::Triangle { offset, amplitude, .. }
+        | Waveform::Chirp { offset, amplitude, .. }
+        | Waveform::Prbs { offset, amplitude, .. }
+        | Waveform::Multisine { offset, amplitude, .. } => Some((amplitude, file.limit - offset.abs())),
+        Waveform::Constant { .. } | Waveform::Staircase { .. } => None,
+    }
+}
+
+/// Sets the amplitude of a profile that has one.
+pub fn set_amplitude(file: &mut ProfileFile, value: f64) {
+    match &mut file.waveform {
+        Waveform::Sine { amplitude, .. }
+        | Waveform::Triangle { amplitude, .. }
+        | Waveform::Chirp { amplitude, .. }
+        | Waveform::Prbs { amplitude, .. }
+        | Waveform::Multisine { amplitude, .. } => *amplitude = value,
+        Waveform::Constant { .. } | Waveform::Staircase { .. } => {}
+    }
+}
+
 /// The settings with their history.
 #[derive(Debug, Clone, Default)]
 pub struct Signal {
@@ -256,6 +281,22 @@ pub fn preview(file: &ProfileFile, points: usize) -> Preview {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Amplitude and duration of built-in profiles are set within what a board accepts.
+    #[test]
+    fn a_profile_takes_another_amplitude_and_duration() {
+        let mut signal = Signal::default();
+        signal.take_built_in("multisine").unwrap();
+        let SignalShape::Other(_, mut file) = signal.settings.kind.clone() else { panic!() };
+        let (before, most) = amplitude(&file).unwrap();
+        assert!(0.0 < before && before <= most, "{before} {most}");
+        set_amplitude(&mut file, 0.5 * before);
+        file.duration_s = 40.0;
+        let line = preview(&file, 100).unwrap();
+        let largest = |line: &[[f64; 2]]| line.iter().map(|point| point[1].abs()).fold(0.0, f64::max);
+        assert!(line.last().unwrap()[0] > 39.0 && largest(&line) <= file.limit, "{line:?}");
+        assert_eq!(amplitude(&file).unwrap().0, 0.5 * before);
+    }
 
     #[test]
     fn limits_are_enforced_and_said() {

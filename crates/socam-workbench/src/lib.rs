@@ -26,6 +26,7 @@ pub mod save;
 pub mod setup;
 pub mod signal;
 pub mod view;
+pub mod watch;
 pub mod workspace;
 
 pub use job::Wake;

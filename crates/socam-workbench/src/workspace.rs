@@ -16,6 +16,7 @@ use crate::queue::Batch;
 use crate::recording::Recording;
 use crate::setup::{Chosen, Setup};
 use crate::view::View;
+use crate::watch::WatchState;
 
 /// Writes a folder of that name; an error is one sentence.
 pub type WriteFolder = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
@@ -42,8 +43,14 @@ impl std::fmt::Debug for Content {
 pub enum Request {
     /// Show another view.
     Show(View),
+    /// Ask which files to open.
+    Ask,
+    /// Connect to the virtual bench, and show it.
+    VirtualBench,
     /// Open a file.
     Open(String),
+    /// Ask for the names and units of the columns of an open recording's file.
+    Columns(String),
     /// Save a small file; a page in a browser offers it for download.
     Save(PathBuf, Vec<u8>),
     /// Ask where to save something, with a name to propose; a page in a browser offers it for download.
@@ -94,6 +101,12 @@ pub struct Workspace {
     pub signal: Signal,
     /// The next run.
     pub next_run: NextRun,
+    /// Files that were opened last, the latest first.
+    pub recent: Vec<String>,
+    /// The range of time that the view over time has in sight, s; `None` while it shows everything.
+    pub in_sight: Option<[f64; 2]>,
+    /// The state of the watch; `None` while nothing was watched.
+    pub watch: Option<WatchState>,
 }
 
 impl Workspace {
@@ -113,6 +126,9 @@ impl Workspace {
             feed: Feed::default(),
             signal: Signal::default(),
             next_run: NextRun::default(),
+            recent: Vec::new(),
+            in_sight: None,
+            watch: None,
         }
     }
 

@@ -91,7 +91,7 @@ fn files_that_follow_one_another_are_one_recording() {
     assert_eq!(found[1].len(), 300);
     assert!(found[0].iter().zip(&found[1]).all(|(time_s, second)| (time_s + 50_000.0 - second).abs() < 1e-6));
     let said = run(["info", &target]).done();
-    assert!(said.contains("1 gaps:"), "{said}");
+    assert!(said.contains("1 gap:"), "{said}");
     let two = format!("{}+{}@13:53:29..13:53:31", path(&folder, "log_9.csv"), path(&folder, "log_10.csv"));
     let _ = run(["export", &two, "-o", &path(&folder, "two.csv")]).done();
     assert_eq!(rows(&path(&folder, "two.csv")), 20);

@@ -37,14 +37,19 @@ pub(crate) fn number(mark: GridMark) -> String {
     }
     let digits = (-step.log10().floor()).max(0.0);
     if digits > 5.0 || mark.value.abs() >= 1e6 {
-        return format!(
-            "{:.*e}",
-            (mark.value.abs() / step).log10().ceil().clamp(0.0, 6.0) as usize,
-            mark.value
-        );
+        // As many digits as tell neighbouring numbers apart; a number has 17 at most.
+        let needed = (mark.value.abs() / step).log10().ceil().clamp(0.0, 16.0) as usize;
+        return if needed > MANY && mark.value.abs() < 1e9 {
+            format!("{:.*}", digits as usize, mark.value)
+        } else {
+            format!("{:.needed$e}", mark.value)
+        };
     }
     format!("{:.*}", digits as usize, mark.value)
 }
+
+/// Digits from which on a number is shorter without an exponent.
+const MANY: usize = 5;
 
 /// Steps of an even grid: the middle one, which has numbers, is the least of 1, 2, 5, 10 and so on that leaves them `apart` times as
 /// much room as there is between lines at least.
@@ -85,10 +90,10 @@ struct Widths {
     last: f32,
 }
 
-/// Width of the vertical axes of all charts that are drawn into this part of the window, of which the next one needs `own`. A chart
-/// further down that needs more is known in the next pass.
-pub(super) fn shared_width(ui: &Ui, own: f32) -> f32 {
-    let (ctx, id, pass) = (ui.ctx(), ui.scope_id().with("width of axes"), ui.ctx().cumulative_pass_nr());
+/// Width of the vertical axes of all charts of a stack, of which the next one needs `own`. A chart further down that needs more is known
+/// in the next pass.
+pub(super) fn shared_width(ui: &Ui, stack: egui::Id, own: f32) -> f32 {
+    let (ctx, id, pass) = (ui.ctx(), stack.with("width of axes"), ui.ctx().cumulative_pass_nr());
     let mut widths = ctx.data(|data| data.get_temp::<Widths>(id)).unwrap_or_default();
     if widths.pass != pass {
         widths = Widths { pass, now: 0.0, last: widths.now };
@@ -191,6 +196,17 @@ mod tests {
         assert_eq!(numbers((-0.1, 1.1), 130.0), ["1", "2", "5", "10"]);
         assert_eq!(numbers((1.45, 1.8), 400.0), ["30", "40", "50", "60"]);
         assert_eq!(numbers((-300.0, 0.0), 60.0), ["1e-300", "1e-200", "1e-100", "1"]);
+    }
+
+    /// Neighbouring numbers differ, however large they are beside their step.
+    #[test]
+    fn numbers_of_an_axis_differ() {
+        let text = |value: f64, step_size: f64| number(GridMark { value, step_size });
+        for (value, step) in [(1e6, 0.2), (1e6, 5.0), (1e6, 1e5), (3e12, 1.0), (1.0, 1e-7), (123.0, 1e-4)] {
+            assert_ne!(text(value, step), text(value + step, step), "{value} + {step}");
+        }
+        assert_eq!(text(1_000_000.2, 0.2), "1000000.2");
+        assert_eq!((text(2e6, 1e6), text(2e-7, 1e-7)), ("2.0e6".into(), "2.0e-7".into()));
     }
 
     #[test]

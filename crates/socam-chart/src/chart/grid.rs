@@ -37,8 +37,10 @@ impl Chart {
     pub(super) fn plot(&self, ui: &mut Ui, x: [f64; 2], y: [f64; 2]) -> PlotResponse<()> {
         let scales = self.is_log();
         let apart = self.numbers_apart();
-        let axis_width = shared_width(ui, self.width_of_numbers(ui, y));
-        let width = self.size.x - if self.backdrop.is_some() { colours::ROOM } else { 0.0 };
+        let stack = self.stack.unwrap_or_else(|| ui.scope_id());
+        let axis_width = shared_width(ui, stack, self.width_of_numbers(ui, y));
+        let has_room = self.backdrop.is_some() || self.leaves_room;
+        let width = self.size.x - if has_room { colours::ROOM } else { 0.0 };
         let [x_axis, y_axis] = self.axes([width, axis_width]);
         let spacer = |side: usize| move |input: GridInput| lines(input, scales[side], apart[side]);
         let plot = Plot::new(self.id)

@@ -158,13 +158,15 @@ fn text(reading: Reading, curve: &Curve, chart: &Chart) -> String {
     if chart.curves.len() == 1 { value } else { format!("{value}   {}", shortened(&curve.name)) }
 }
 
-/// The end of a long name, which tells recordings of a folder apart.
+/// A long name without its middle: its beginning names the channel, its end tells recordings apart.
 fn shortened(name: &str) -> String {
     let letters = name.chars().count();
     if letters <= LETTERS {
         return name.to_owned();
     }
-    "...".chars().chain(name.chars().skip(letters + 3 - LETTERS)).collect()
+    let begin = (LETTERS - 3) / 2;
+    let end = name.chars().skip(letters - (LETTERS - 3 - begin));
+    name.chars().take(begin).chain("...".chars()).chain(end).collect()
 }
 
 /// The unit of a title or label: what stands behind its last comma.

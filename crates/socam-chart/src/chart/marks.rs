@@ -1,6 +1,6 @@
 //! Contents of a chart: lines, markers, bands, flags and the title.
 
-use egui::{Color32, FontId, Painter, Rect, Shape, Stroke, Ui, pos2, vec2};
+use egui::{Color32, FontId, Painter, Rangef, Rect, Shape, Stroke, Ui, pos2, vec2};
 use egui_plot::{MarkerShape, PlotPoint, PlotPoints, PlotTransform, Points};
 
 use super::TITLE_STRIP;
@@ -62,7 +62,7 @@ pub(super) fn line(
     }
     let pen = Pen {
         colour,
-        width: trace::WIDTH,
+        width: trace::width(curve.style),
         is_dashed: curve.style == Style::Dashed,
         pixels_per_point: ui.pixels_per_point(),
     };
@@ -130,6 +130,8 @@ pub(super) fn title(ui: &Ui, painter: &Painter, frame: Rect, text: &str) {
 
 /// Greatest number of rows of flag texts, and of letters in each; the full texts are shown at the pointer.
 const WORD_ROWS: usize = 2;
+/// Length of a short line, points.
+const SHORT: f32 = 14.0;
 const LETTERS: usize = 52;
 
 /// Draws vertical lines with texts; each text is in the lowest row where it covers no other.
@@ -145,7 +147,10 @@ pub(super) fn flags(
     let visible: Vec<_> = places.filter(|(x, _)| x.is_finite() && frame.x_range().contains(*x)).collect();
     // Lines end below texts.
     for (x, flag) in &visible {
-        painter.vline(*x, frame.y_range(), Stroke::new(1.0, flag.colour));
+        let whole = frame.y_range();
+        let part =
+            if flag.is_short { Rangef::new((whole.max - SHORT).max(whole.min), whole.max) } else { whole };
+        painter.vline(*x, part, Stroke::new(1.0, flag.colour));
     }
     for (x, flag) in visible.into_iter().filter(|(_, flag)| words && !flag.text.is_empty()) {
         let word = shortened(&flag.text);

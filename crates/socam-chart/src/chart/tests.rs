@@ -14,7 +14,7 @@ struct Stack {
     hover: hover::Linked,
     frames: Vec<Rect>,
     copied: bool,
-    saved: Option<egui::ColorImage>,
+    saved: Option<std::sync::Arc<egui::ColorImage>>,
 }
 
 impl Stack {
@@ -32,7 +32,6 @@ impl Stack {
             chart.curves =
                 vec![Curve { name: "r".into(), colour, parts: vec![wave.collect()], style: Style::Solid }];
             chart.hover = self.hover.at();
-            chart.can_save = true;
             let shown = chart.show(ui, &mut Vec::new());
             self.hover.take(&shown);
             self.frames.push(shown.frame);
@@ -42,7 +41,7 @@ impl Stack {
             if shown.y_moved && number == 0 {
                 self.y = Some(shown.y);
             }
-            self.saved = shown.to_save.or(self.saved.take());
+            self.saved = take_picture(ui.ctx()).or(self.saved.take());
         }
         self.hover.end(ui.ctx());
         self.copied |= ui.output(|output| {

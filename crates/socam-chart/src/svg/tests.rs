@@ -32,7 +32,7 @@ fn stack(ui: &mut egui::Ui, out: &mut Vec<Seen>) {
         line("runs/two <b>.mcap", colours[1], 0.7, Style::Dashed),
     ];
     first.shaded = vec![([4.0, 6.0], colours[0].gamma_multiply(0.16))];
-    first.flags = vec![chart::Flag { x: 5.2, text: "fault: too fast".into(), colour: theme::alarm(ui) }];
+    first.flags = vec![chart::Flag::new(5.2, "fault: too fast", theme::alarm(ui))];
     first.show(ui, out);
     let mut second = Chart::new("b", "motor_speed, rad/s", vec2(900.0, 234.0));
     second.x = [0.0, 10.0];

@@ -19,6 +19,38 @@ pub(super) const COLUMNS: [table::Column; 8] = [
     table::text("worst finding", 200.0),
 ];
 
+/// Sign of a verdict, so that verdicts do not differ by colour alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Sign {
+    None,
+    Tick,
+    Mark,
+    Cross,
+}
+
+impl Sign {
+    /// Draws the sign: fonts have none of them.
+    fn draw(self, ui: &mut Ui, colour: Color32) {
+        let (rect, _) = ui.allocate_exact_size(vec2(12.0, 12.0), Sense::hover());
+        let at = |x: f32, y: f32| rect.min + vec2(x, y);
+        let line = |points: Vec<egui::Pos2>| {
+            ui.painter().line(points, egui::Stroke::new(2.0, colour));
+        };
+        match self {
+            Self::None => {}
+            Self::Tick => line(vec![at(1.0, 6.0), at(4.5, 10.0), at(11.0, 2.0)]),
+            Self::Mark => {
+                line(vec![at(6.0, 1.0), at(6.0, 7.5)]);
+                ui.painter().circle_filled(at(6.0, 10.5), 1.4, colour);
+            }
+            Self::Cross => {
+                line(vec![at(2.0, 2.0), at(10.0, 10.0)]);
+                line(vec![at(10.0, 2.0), at(2.0, 10.0)]);
+            }
+        }
+    }
+}
+
 /// A recording and its check, once it is made.
 pub(super) struct Row<'a> {
     pub(super) name: &'a str,
@@ -48,15 +80,15 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// Verdict in words, its rank, and whether it is a warning.
-    fn verdict(&self) -> (&'static str, f64, bool) {
+    /// Verdict in words, its rank, and its sign.
+    fn verdict(&self) -> (&'static str, f64, Sign) {
         match self.check {
-            None => ("not checked yet", 3.0, false),
-            Some(Err(_)) => ("not checked", 4.0, true),
+            None => ("not checked yet", 3.0, Sign::None),
+            Some(Err(_)) => ("not checked", 4.0, Sign::Cross),
             Some(Ok(check)) => match check.verdict {
-                Verdict::Fit => ("fit for use", 0.0, false),
-                Verdict::FitWithReservations => ("fit for use, with reservations", 1.0, false),
-                Verdict::Unfit => ("not fit for use", 2.0, true),
+                Verdict::Fit => ("fit for use", 0.0, Sign::Tick),
+                Verdict::FitWithReservations => ("fit for use, with reservations", 1.0, Sign::Mark),
+                Verdict::Unfit => ("not fit for use", 2.0, Sign::Cross),
             },
         }
     }
@@ -93,12 +125,14 @@ impl<'a> Row<'a> {
             }
             1 => label(ui, RichText::new(short(self.name)).strong()),
             2 => {
-                let (word, _, is_warning) = self.verdict();
-                let colour = match self.check {
-                    None => theme::weak(ui),
-                    Some(_) if is_warning => theme::alarm(ui),
-                    Some(_) => theme::good(ui),
+                let (word, _, sign) = self.verdict();
+                let colour = match sign {
+                    Sign::None => theme::weak(ui),
+                    Sign::Tick => theme::good(ui),
+                    Sign::Mark => theme::body(ui),
+                    Sign::Cross => theme::alarm(ui),
                 };
+                sign.draw(ui, colour);
                 label(ui, RichText::new(word).strong().color(colour))
             }
             3 => label(ui, RichText::new(self.rows.to_string()).monospace()),

@@ -73,7 +73,7 @@ impl Dashboard {
             Command::Larger => self.zoom(ctx, self.layout.zoom * 1.1),
             Command::Smaller => self.zoom(ctx, self.layout.zoom / 1.1),
             Command::NormalSize => self.zoom(ctx, 1.0),
-            Command::Help => self.help.is_open = true,
+            Command::Help => self.help.is_open = !self.help.is_open,
         }
     }
 

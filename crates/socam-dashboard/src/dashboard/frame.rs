@@ -3,6 +3,8 @@
 use egui::{Align, Button, Frame, Layout as Direction, Margin, RichText, Stroke, Ui};
 
 use socam_core::State;
+use socam_workbench::View;
+use socam_workbench::watch::Tone;
 
 use super::Dashboard;
 use crate::platform::{HAS_BENCH, Views};
@@ -34,8 +36,16 @@ impl Dashboard {
 
     /// The emergency stop and the state of the bench.
     fn bench(&mut self, ui: &mut Ui) {
-        let text = RichText::new("EMERGENCY STOP").strong().color(egui::Color32::WHITE);
-        let stop = ui.add(Button::new(text).fill(theme::STOP).stroke(Stroke::NONE));
+        // Without a board it can do nothing, and is no louder than other controls.
+        let text = RichText::new("EMERGENCY STOP").strong();
+        let button = if self.workspace.bench.is_connected() {
+            Button::new(text.color(egui::Color32::WHITE))
+                .fill(theme::STOP)
+                .stroke(Stroke::new(1.0, theme::STOP))
+        } else {
+            Button::new(text.color(theme::weak(ui)))
+        };
+        let stop = ui.add(button);
         self.stop_button = stop.rect;
         if stop.on_hover_text("Cuts the command at once, from every view (Esc)").clicked() {
             self.workspace.bench.emergency_stop();
@@ -46,12 +56,45 @@ impl Dashboard {
             (true, Some(State::Fault)) => theme::alarm(ui),
             (true, _) => theme::good(ui),
         };
-        ui.label(RichText::new(bench.state_text()).strong().color(colour));
+        // A bench that moves is seen at a glance.
+        let text = RichText::new(bench.state_text()).strong().color(colour);
+        let is_moving =
+            bench.is_connected() && matches!(bench.state(), Some(State::Running | State::Stopping));
+        if is_moving {
+            let ground = theme::good(ui);
+            let ink = ui.visuals().extreme_bg_color;
+            Frame::new().fill(ground).corner_radius(4).inner_margin(Margin::symmetric(8, 2)).show(ui, |ui| {
+                ui.label(text.color(ink));
+            });
+        } else {
+            ui.label(text);
+        }
+        self.watch_state(ui);
+    }
+
+    /// The state of the watch; a click leads to its view.
+    fn watch_state(&mut self, ui: &mut Ui) {
+        let Some(watch) = &self.workspace.watch else { return };
+        let colour = match watch.tone {
+            Tone::Quiet => theme::weak(ui),
+            Tone::Good => theme::good(ui),
+            Tone::Alarm => theme::alarm(ui),
+        };
+        let text = RichText::new(format!("Watch: {}", watch.text)).strong().color(colour);
+        if ui.add(Button::new(text)).on_hover_text("Shows the view of the watch").clicked() {
+            self.layout.view = View::Watch;
+        }
     }
 
     fn tabs(&mut self, ui: &mut Ui) {
         for view in Views::NAMES {
-            if ui.selectable_label(self.layout.view == *view, view.name()).clicked() {
+            let is_shown = self.layout.view == *view;
+            let tab = ui.selectable_label(is_shown, view.name());
+            if is_shown {
+                let line = Stroke::new(2.0, theme::good(ui));
+                ui.painter().hline(tab.rect.x_range(), tab.rect.bottom(), line);
+            }
+            if tab.clicked() {
                 self.layout.view = *view;
             }
         }
@@ -67,7 +110,7 @@ impl Dashboard {
             self.asking(ui);
             self.opening.retain(|job| !progress::job(ui, job));
             self.saving.retain(|job| !progress::job(ui, job));
-            let (mut put_away, mut to_map) = (None, None);
+            let mut put_away = None;
             for (index, notice) in self.notices.iter().enumerate() {
                 let ground = if notice.grave { theme::alarm_ground(ui) } else { ui.visuals().faint_bg_color };
                 Frame::new().fill(ground).corner_radius(4).inner_margin(Margin::symmetric(8, 4)).show(
@@ -77,11 +120,6 @@ impl Dashboard {
                             if ui.button("Dismiss").clicked() {
                                 put_away = Some(index);
                             }
-                            if let Some(run) = &notice.to_map
-                                && ui.button("Write a mapping").clicked()
-                            {
-                                (put_away, to_map) = (Some(index), Some(run.clone()));
-                            }
                             ui.add(egui::Label::new(&notice.text).wrap());
                             ui.allocate_space(egui::vec2(ui.available_width(), 0.0));
                         });
@@ -90,9 +128,6 @@ impl Dashboard {
             }
             if let Some(index) = put_away {
                 self.notices.remove(index);
-            }
-            if let Some(run) = to_map {
-                self.write_mapping(&run);
             }
         });
     }

@@ -93,7 +93,7 @@ impl Dashboard {
     }
 
     fn signal_menu(&mut self, ui: &mut Ui) {
-        for (kind, name) in [(SignalShape::Sine, "Sine"), (SignalShape::Constant, "Constant")] {
+        for (kind, name) in [(SignalShape::Sine, "sine"), (SignalShape::Constant, "constant")] {
             if item(ui, true, name, None) {
                 self.workspace.signal.change(Settings { kind, ..self.workspace.signal.settings.clone() });
                 self.layout.view = View::Live;

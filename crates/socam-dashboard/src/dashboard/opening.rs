@@ -48,10 +48,7 @@ impl Dashboard {
                     self.show_found(found);
                 }
                 Err((sentence, _)) if sentence == CANCELLED => {}
-                Err((text, path)) => {
-                    let to_map = path.filter(|_| platform::can_be_mapped(&text));
-                    self.notify(Notice { text, grave: true, to_map });
-                }
+                Err((text, _)) => self.notify(Notice { text, grave: true }),
             }
         }
     }

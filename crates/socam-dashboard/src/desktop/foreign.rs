@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use socam_import::{ImportError, Mapping};
+use socam_import::{Columns, ImportError, Mapping};
 use socam_recording::{Dataset, Selection};
 
 /// Opens `RUN` or `RUN@FROM..TO`.
@@ -14,66 +14,39 @@ pub(super) fn read(run: &str) -> Result<Dataset, String> {
     open(&Selection::parse(run).map_err(|error| error.to_string())?)
 }
 
-/// Opens a recording. A file that does not state its units or times is read with the mapping beside it, `FILE.map.toml`.
+/// Opens a recording. A file that does not state its units or times is read with the mapping beside it, `FILE.map.toml`, and without one as
+/// plain numbers.
 ///
 /// # Errors
-/// When it cannot be read, or needs a mapping; one sentence.
+/// When it cannot be read; one sentence.
 fn open(selection: &Selection) -> Result<Dataset, String> {
     match socam_import::open_selection(selection) {
         Ok(data) => Ok(data),
-        Err(ImportError::Unstated { path, problem }) => {
+        Err(ImportError::Unstated { path, .. }) => {
             let place = mapping_of(&path);
-            if !place.is_file() {
-                return Err(format!(
-                    "{} {problem}; {NEEDS_MAPPING}, which is read from {}",
-                    path.display(),
-                    place.display()
-                ));
-            }
-            let mapping = Mapping::open(&place).map_err(|error| error.to_string())?;
-            let imported = socam_import::import(selection, &mapping).map_err(|error| error.to_string())?;
-            Ok(imported.data)
+            let imported = if place.is_file() {
+                Mapping::open(&place).and_then(|mapping| socam_import::import(selection, &mapping))
+            } else {
+                Columns::of(&path).and_then(|columns| columns.import(selection))
+            };
+            Ok(imported.map_err(|error| error.to_string())?.data)
         }
         Err(error) => Err(error.to_string()),
     }
 }
 
-/// The words by which the window knows that a mapping helps.
-const NEEDS_MAPPING: &str = "it needs a mapping";
-
-/// Whether a mapping would help to open a file that could not be opened for this reason.
-pub(super) fn needs_mapping(sentence: &str) -> bool {
-    sentence.contains(NEEDS_MAPPING)
-}
-
 /// Path of the mapping of a file.
-fn mapping_of(file: &Path) -> PathBuf {
+pub(super) fn mapping_of(file: &Path) -> PathBuf {
     let mut name = file.as_os_str().to_owned();
     name.push(".map.toml");
     name.into()
-}
-
-/// Writes a mapping to complete beside a file. Returns what to do next.
-///
-/// # Errors
-/// When the file cannot be read or the mapping cannot be written; one sentence.
-pub(super) fn propose_mapping(run: &str) -> Result<String, String> {
-    let selection = Selection::parse(run).map_err(|error| error.to_string())?;
-    let proposal = socam_import::propose(&selection.path, None).map_err(|error| error.to_string())?;
-    let place = mapping_of(&selection.path);
-    socam_workbench::save::write_new(&place, proposal.text.as_bytes())?;
-    Ok(format!(
-        "{} is written: complete it in a text editor ({}), and open {run} again",
-        place.display(),
-        proposal.unknown.join("; ")
-    ))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A file without units and times is refused; with the mapping beside it, it opens.
+    /// A file without units and times is drawn as plain numbers; with the mapping beside it, it has them.
     #[test]
     fn a_file_that_does_not_state_its_units_is_read_with_the_mapping_beside_it() {
         let folder = tempfile::tempdir().unwrap();
@@ -81,13 +54,14 @@ mod tests {
         let rows: String = (0..50).map(|row| format!("{};{}\n", f64::from(row) * 0.01, row % 7)).collect();
         std::fs::write(&file, format!("zeit;drehzahl\n{rows}")).unwrap();
         let run = file.display().to_string();
-        let refused = open(&Selection::parse(&run).unwrap()).unwrap_err();
-        assert!(needs_mapping(&refused) && refused.contains("log.txt.map.toml"), "{refused}");
-        let said = propose_mapping(&run).unwrap();
-        assert!(said.contains("log.txt.map.toml is written"), "{said}");
-        let place = folder.path().join("log.txt.map.toml");
-        let text = std::fs::read_to_string(&place).unwrap();
-        println!("{text}");
-        assert!(propose_mapping(&run).unwrap_err().contains("exists already"));
+        let plain = read(&run).unwrap();
+        assert_eq!((plain.rows(), plain.channels()[0].column_name().as_str()), (50, "drehzahl_1"));
+        assert!(plain.warnings()[0].to_string().starts_with(socam_import::PLAIN_NUMBERS));
+        let mut columns = Columns::of(&file).unwrap();
+        columns.columns[0].unit = "rpm".into();
+        std::fs::write(folder.path().join("log.txt.map.toml"), columns.text()).unwrap();
+        let mapped = read(&run).unwrap();
+        assert_eq!(mapped.channels()[0].column_name(), "drehzahl_rad_s");
+        assert!(mapped.warnings().is_empty(), "{:?}", mapped.warnings());
     }
 }

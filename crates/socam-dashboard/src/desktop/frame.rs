@@ -5,12 +5,14 @@ use std::path::Path;
 use egui::{Context, Ui};
 use socam_workbench::View;
 use socam_workbench::document;
+use socam_workbench::entry::Entry;
 use socam_workbench::job::{Handle, Job};
 use socam_workbench::purpose::Purpose;
 use socam_workbench::save;
 use socam_workbench::setup::Role;
 
-use super::files::{Answer, Dialog};
+use super::columns::{Answer, Pane};
+use super::files::{self, Dialog};
 use super::fleet::Opened;
 use super::foreign;
 use super::native::{Ended, Native};
@@ -47,6 +49,11 @@ impl Dashboard {
         self.own.watches = true;
     }
 
+    /// Shows this view once all files are open, whatever view their kind would choose.
+    pub fn show_first(&mut self, view: View) {
+        self.own.first_view = Some(view);
+    }
+
     /// Shows a fleet.
     pub fn show_fleet(&mut self, opened: Opened) {
         self.views.fleet.show(opened);
@@ -77,6 +84,9 @@ impl Dashboard {
             self.views.watch.begin_when_possible();
             self.layout.view = View::Watch;
         }
+        if let Some(view) = self.own.first_view.take() {
+            self.layout.view = view;
+        }
     }
 
     /// Shows what was opened.
@@ -87,11 +97,34 @@ impl Dashboard {
         }
     }
 
-    /// Writes a mapping for a file of another program.
-    pub(crate) fn write_mapping(&mut self, run: &str) {
-        match foreign::propose_mapping(run) {
-            Ok(said) => self.say(said),
-            Err(sentence) => self.warn(sentence),
+    /// Asks for the names and units of the columns of a recording's file.
+    pub(crate) fn ask_for_columns(&mut self, run: &str) {
+        let entries = &self.workspace.entries;
+        let recording = entries.iter().map(|entry| &entry.recording).find(|own| own.about.name == run);
+        match recording.and_then(|own| own.path()).map(|path| Pane::of(path, run)) {
+            Some(Ok(pane)) => self.own.columns = Some(pane),
+            Some(Err(sentence)) => self.warn(sentence),
+            None => {}
+        }
+    }
+
+    /// Draws the window of columns. When its mapping is written, the recordings of the file are opened again.
+    fn columns(&mut self, ctx: &Context) {
+        let Some(pane) = &mut self.own.columns else { return };
+        let Some(answer) = pane.ui(ctx) else { return };
+        let path = pane.path();
+        self.own.columns = None;
+        if let Answer::Written = answer {
+            let is_it = |entry: &Entry| entry.recording.path() == Some(path.as_path());
+            let runs: Vec<String> = self
+                .workspace
+                .entries
+                .iter()
+                .filter(|entry| is_it(entry))
+                .map(|entry| entry.recording.about.name.clone())
+                .collect();
+            self.workspace.entries.retain(|entry| !is_it(entry));
+            self.open(runs);
         }
     }
 
@@ -160,12 +193,13 @@ impl Dashboard {
 
     pub(crate) fn dialogs(&mut self, ctx: &Context) {
         self.native_dialog(ctx);
+        self.columns(ctx);
         let Some(dialog) = &mut self.own.dialog else { return };
         let Some(answer) = dialog.ui(ctx) else { return };
         let purpose = dialog.purpose;
         self.layout.folder = dialog.folder().into();
         self.own.dialog = None;
-        if let Answer::Files(files) = answer {
+        if let files::Answer::Files(files) = answer {
             self.answered(ctx, purpose, files);
         }
     }

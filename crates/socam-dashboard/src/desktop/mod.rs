@@ -2,6 +2,7 @@
 
 mod attempt;
 mod checking;
+mod columns;
 pub mod diagnose;
 mod files;
 mod fitting;
@@ -18,7 +19,7 @@ pub mod watch;
 
 pub(crate) use checking::{CheckOptions, check};
 pub use own::Found;
-pub(crate) use own::{Own, can_be_mapped, save};
+pub(crate) use own::{Own, save};
 pub(crate) use responding::ResponseOptions;
 pub(crate) use socam_job::Check as CheckTask;
 pub use views::Views;

@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
+use socam_workbench::View;
 use socam_workbench::document::Document;
 use socam_workbench::job::Handle;
 use socam_workbench::recording::Recording;
 use socam_workbench::save;
 
+use super::columns::Pane;
 use super::files::Dialog;
 use super::fleet::Opened;
-use super::foreign;
 use super::native::Native;
 
 /// Content of a file that can be opened.
@@ -40,11 +41,15 @@ pub(crate) struct Own {
     pub(super) waiting: Vec<String>,
     /// The dialog of the window that is open.
     pub(super) dialog: Option<Dialog>,
+    /// The window in which columns get names and units.
+    pub(super) columns: Option<Pane>,
     /// Whether the desktop's dialogs are used, and the one that is open.
     pub(super) is_native: bool,
     pub(super) native: Option<Native>,
     /// Held-out recordings of a diagnosis that begins once all files are open.
     pub(super) diagnose: Option<Vec<String>>,
+    /// The view that was asked for before the files were opened.
+    pub(super) first_view: Option<View>,
     /// Whether a watch begins once all files are open.
     pub(super) watches: bool,
 }
@@ -55,9 +60,4 @@ pub(crate) struct Own {
 /// When there is such a file already, it cannot be written, or it was cancelled; one sentence.
 pub(crate) fn save(recording: &Recording, path: &Path, handle: &Handle) -> Result<Option<Vec<u8>>, String> {
     save::save(recording, path, handle).map(|()| None)
-}
-
-/// Whether a mapping would help to open a file that could not be opened for this reason.
-pub(crate) fn can_be_mapped(sentence: &str) -> bool {
-    foreign::needs_mapping(sentence)
 }

@@ -1,5 +1,29 @@
 //! The residuals of a diagnosis that are drawn, and their horizontal axis.
 
+use egui::Ui;
+
+/// Draws the choices.
+pub(super) fn ui(ui: &mut Ui, over: &mut Over, sides: &mut Sides) {
+    ui.horizontal_wrapped(|ui| {
+        for own in Over::ALL {
+            ui.selectable_value(over, own, own.name());
+        }
+        // The switch is not broken over two lines.
+        let names = [(Sides::Before, "before"), (Sides::After, "after"), (Sides::Both, "both")];
+        ui.allocate_ui(egui::vec2(SWITCH, ui.spacing().interact_size.y), |ui| {
+            ui.horizontal(|ui| {
+                ui.separator();
+                for (own, name) in names {
+                    ui.selectable_value(sides, own, name);
+                }
+            });
+        });
+    });
+}
+
+/// Width of the switch between before, after and both, points.
+const SWITCH: f32 = 190.0;
+
 /// Residuals that are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sides {

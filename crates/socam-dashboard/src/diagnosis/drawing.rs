@@ -17,12 +17,29 @@ const WIDEST: f64 = 104.0;
 /// Least width of a column, points; a drawing that needs more room than there is can be scrolled.
 const NARROWEST: f64 = 64.0;
 
-/// Draws the bench; a click on an element selects its place.
-pub(super) fn bench(ui: &mut Ui, model: &Model, diagnosis: &Diagnosis, selected: &mut Option<String>) {
+/// Height of the drawing of a model, points.
+pub(super) fn height(model: &Model, diagnosis: &Diagnosis, width: f32) -> f32 {
+    Drawing::of(model, &headline::marks(diagnosis), style(model, f64::from(width))).size[1] as f32
+}
+
+/// Draws the bench; a click on an element selects its place. Where the drawing is wider than its room, it begins with the first finding in
+/// sight, and does so again when the room changes; `scrolled` keeps the width for which it did.
+pub(super) fn bench(
+    ui: &mut Ui,
+    model: &Model,
+    diagnosis: &Diagnosis,
+    selected: &mut Option<String>,
+    scrolled: &mut Option<f32>,
+) {
     let marks = headline::marks(diagnosis);
     let width = ui.available_width();
     let drawing = Drawing::of(model, &marks, style(model, f64::from(width)));
-    ScrollArea::horizontal().id_salt("bench").show(ui, |ui| {
+    let mut area = ScrollArea::horizontal().id_salt("bench");
+    if *scrolled != Some(width) {
+        *scrolled = Some(width);
+        area = area.horizontal_scroll_offset(start(&drawing, &marks, width));
+    }
+    area.show(ui, |ui| {
         let size = vec2(drawing.size[0] as f32, drawing.size[1] as f32);
         let (area, _) = ui.allocate_exact_size(vec2(size.x.max(width), size.y), Sense::hover());
         let corner = area.min.to_vec2() + vec2(0.5 * (area.width() - size.x), 0.0);
@@ -34,6 +51,15 @@ pub(super) fn bench(ui: &mut Ui, model: &Model, diagnosis: &Diagnosis, selected:
             drawing.items.iter().flat_map(|item| painted(ui, item, corner, &colours)).collect();
         ui.painter().extend(shapes);
     });
+}
+
+/// Offset at which the drawing has its first finding in the middle of its room.
+fn start(drawing: &Drawing, marks: &[(&str, PlaceMark)], width: f32) -> f32 {
+    let is_finding = |(_, mark): &&(&str, PlaceMark)| matches!(mark, PlaceMark::Finding(_));
+    let marked = marks.iter().find(is_finding).or(marks.first());
+    let place = marked.and_then(|(name, _)| drawing.places.iter().find(|place| place.name == *name));
+    let middle = place.map_or(0.0, |place| 0.5 * (place.from[0] + place.to[0]) as f32);
+    (middle - 0.5 * width).clamp(0.0, (drawing.size[0] as f32 - width).max(0.0))
 }
 
 /// The chain in lines as on a page, in columns that fill the width.
@@ -207,6 +233,19 @@ mod tests {
         }
     }
 
+    /// However narrow the room is, the whole frame of the finding is in it.
+    #[test]
+    fn the_finding_is_in_sight() {
+        let model = model();
+        let marks = [("load_bearing", PlaceMark::Finding(1))];
+        for width in [200.0, 300.0, 640.0, 890.0] {
+            let drawing = Drawing::of(&model, &marks, style(&model, width));
+            let place = drawing.places.iter().find(|place| place.name == "load_bearing").unwrap();
+            let from = f64::from(start(&drawing, &marks, width as f32));
+            assert!(from <= place.from[0] && place.to[0] <= from + width, "{width}: {place:?}, from {from}");
+        }
+    }
+
     #[test]
     fn a_likely_rival_is_said_at_its_place() {
         let text = include_str!("../../../socam-findings/src/headline/example.json");
@@ -227,7 +266,7 @@ mod tests {
             let ctx = egui::Context::default();
             theme::apply(&ctx, look);
             let mut colours = Vec::new();
-            let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+            let mut drawn = ctx.run_ui(egui::RawInput::default(), |ui| {
                 colours = vec![
                     ("before", theme::alarm(ui)),
                     ("accent", theme::alarm(ui)),
@@ -235,6 +274,7 @@ mod tests {
                     ("after", theme::good(ui)),
                 ];
             });
+            drawn.textures_delta.clear();
             assert_eq!(colours.len(), 4);
             for (name, colour) in colours {
                 let [r, g, b, _] = colour.to_array();

@@ -28,6 +28,8 @@ pub struct DiagnosisPage {
     recording: usize,
     /// The place that was clicked in the drawing.
     selected: Option<String>,
+    /// Width of the drawing for which the finding was brought into sight.
+    scrolled: Option<f32>,
 }
 
 /// A diagnosis with its residuals and model.
@@ -101,7 +103,7 @@ impl DiagnosisPage {
 
     /// Shows a diagnosis of a model.
     pub fn show(&mut self, diagnosis: Diagnosis, evidence: Option<Evidence>, model: Model) {
-        self.selected = None;
+        (self.selected, self.scrolled) = (None, None);
         (self.channel, self.recording) = (0, 0);
         // The first picture is the one of the report; without it, the axis is the one that shows the strongest finding best.
         if diagnosis.overlay.is_some() {
@@ -122,35 +124,43 @@ impl DiagnosisPage {
     }
 
     fn pictures(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>, empty: &str) {
-        let Some(shown) = &self.shown else {
+        let Self { shown, sides, over, channel, recording, selected, scrolled } = self;
+        let Some(Shown { diagnosis, evidence, model }) = shown else {
             chart::empty_state(ui, "No diagnosis yet", empty);
             return;
         };
-        banner::banner(ui, &shown.diagnosis);
+        let drawing_height = drawing::height(model, diagnosis, ui.available_width());
+        let is_low = ui.available_height() < drawing_height + LEAST_PICTURE;
+        let mut charts = |ui: &mut Ui| {
+            choice::ui(ui, over, sides);
+            let view = choice::Choice { sides: *sides, over: *over, channel, recording };
+            evidence::ui(ui, diagnosis, evidence.as_ref(), view, seen);
+        };
+        if is_low {
+            // All of it below each other, the place of the finding first.
+            ScrollArea::vertical().id_salt("pictures").auto_shrink(false).show(ui, |ui| {
+                banner::banner(ui, diagnosis);
+                drawing::bench(ui, model, diagnosis, selected, scrolled);
+                ui.allocate_ui(egui::vec2(ui.available_width(), LEAST_CHART), |ui| {
+                    ui.set_max_height(LEAST_CHART);
+                    charts(ui);
+                });
+            });
+            return;
+        }
+        banner::banner(ui, diagnosis);
         egui::Panel::bottom("bench").frame(egui::Frame::NONE).show_separator_line(false).show(ui, |ui| {
             ui.add_space(4.0);
-            drawing::bench(ui, &shown.model, &shown.diagnosis, &mut self.selected);
+            drawing::bench(ui, model, diagnosis, selected, scrolled);
         });
-        ui.horizontal_wrapped(|ui| {
-            for over in Over::ALL {
-                if ui.selectable_label(self.over == over, over.name()).clicked() {
-                    self.over = over;
-                }
-            }
-            ui.separator();
-            for (sides, name) in [(Sides::Before, "before"), (Sides::After, "after"), (Sides::Both, "both")] {
-                ui.selectable_value(&mut self.sides, sides, name);
-            }
-        });
-        let view = choice::Choice {
-            sides: self.sides,
-            over: self.over,
-            channel: &mut self.channel,
-            recording: &mut self.recording,
-        };
-        evidence::ui(ui, &shown.diagnosis, shown.evidence.as_ref(), view, seen);
+        charts(ui);
     }
 }
+
+/// Height that headline, choices and a chart take at least beside the drawing, points; with less, the page is scrolled.
+const LEAST_PICTURE: f32 = 330.0;
+/// Height of the charts on a page that is scrolled, points.
+const LEAST_CHART: f32 = 290.0;
 
 const EMPTY: &str =
     "Drop the diagnosis.json of a report here. The drawing then shows where model and recordings part.";

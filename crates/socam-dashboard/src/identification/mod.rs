@@ -4,8 +4,8 @@ mod result;
 
 use egui::{ScrollArea, Ui};
 use socam_chart::chart::{self, Seen};
-use socam_workbench::Workspace;
 use socam_workbench::identification::Identification;
+use socam_workbench::{Request, View, Workspace};
 
 use crate::view::{Help, ViewPanel};
 
@@ -17,8 +17,8 @@ pub struct IdentificationPage {
 }
 
 impl ViewPanel for IdentificationPage {
-    fn ui(&mut self, ui: &mut Ui, _: &mut Workspace, _: &mut Vec<Seen>) {
-        egui::CentralPanel::default().show(ui, |ui| self.contents(ui, EMPTY));
+    fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, _: &mut Vec<Seen>) {
+        egui::CentralPanel::default().show(ui, |ui| self.contents(ui, workspace, EMPTY));
     }
 
     fn uses_recordings(&self) -> bool {
@@ -26,7 +26,7 @@ impl ViewPanel for IdentificationPage {
     }
 
     fn help() -> Help {
-        &[]
+        VERDICT
     }
 }
 
@@ -36,11 +36,14 @@ impl IdentificationPage {
         self.shown = Some(identification);
     }
 
-    /// Draws the tables, or `empty`, what to do where there is none.
-    pub(crate) fn contents(&self, ui: &mut Ui, empty: &str) {
+    /// Draws the verdict and the tables, or `empty`, what to do where there is none.
+    pub(crate) fn contents(&self, ui: &mut Ui, workspace: &mut Workspace, empty: &str) {
         match &self.shown {
             Some(shown) => {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| result::ui(ui, shown));
+                let page = ScrollArea::vertical().auto_shrink(false);
+                if page.show(ui, |ui| result::ui(ui, shown)).inner {
+                    workspace.request(Request::Show(View::Diagnosis));
+                }
             }
             None => chart::empty_state(ui, "No identification yet", empty),
         }
@@ -48,3 +51,9 @@ impl IdentificationPage {
 }
 
 const EMPTY: &str = "Drop a saved result (.json) here: every parameter is shown with its 95 % interval, and what the recordings do not determine is named.";
+
+/// Explains the verdict.
+pub(crate) const VERDICT: Help = &[(
+    "Go to Diagnosis",
+    "the model leaves something out, which its parameters have taken up: a diagnosis says what and where",
+)];

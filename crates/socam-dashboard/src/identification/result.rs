@@ -1,6 +1,6 @@
 //! The result of an identification as tables.
 
-use egui::{RichText, Sense, Stroke, Ui, vec2};
+use egui::{Frame, Label, Margin, RichText, Sense, Stroke, Ui, vec2};
 
 use socam_chart::numbers;
 use socam_chart::numbers::number;
@@ -24,13 +24,15 @@ const FIT: [table::Column; 4] = [
     table::number("variance accounted for", 150.0),
 ];
 
-/// Draws the result.
-pub(super) fn ui(ui: &mut Ui, shown: &Identification) {
+/// Draws the result; whether a diagnosis was asked for.
+pub(super) fn ui(ui: &mut Ui, shown: &Identification) -> bool {
+    let wants_diagnosis = verdict(ui, shown);
+    ui.add_space(4.0);
     let end = if shown.converged { "" } else { " (not converged)" };
     ui.heading(format!("{} fitted by {}{end}", shown.model, shown.method));
     ui.add(egui::Label::new(RichText::new(shown.recordings.join(", ")).color(theme::weak(ui))).wrap());
     for warning in &shown.warnings {
-        ui.label(RichText::new(warning).color(theme::alarm(ui)));
+        ui.add(Label::new(RichText::new(warning).color(theme::alarm(ui))).wrap());
     }
     ui.add_space(6.0);
     parameters(ui, shown);
@@ -47,6 +49,27 @@ pub(super) fn ui(ui: &mut Ui, shown: &Identification) {
         ui.add_space(8.0);
         fit(ui, &format!("Held out, not fitted: {}", held_out.recording), &held_out.fit);
     }
+    wants_diagnosis
+}
+
+/// Whether the model explains the recordings, above all that follows from it; whether a diagnosis was asked for.
+fn verdict(ui: &mut Ui, shown: &Identification) -> bool {
+    let verdict = shown.verdict();
+    let (ground, colour) = match verdict.explains {
+        Some(true) => (theme::card(ui), theme::good(ui)),
+        Some(false) => (theme::alarm_ground(ui), theme::alarm(ui)),
+        None => (theme::card(ui), theme::body(ui)),
+    };
+    let mut wanted = false;
+    Frame::new().fill(ground).corner_radius(6).inner_margin(Margin::symmetric(10, 6)).show(ui, |ui| {
+        ui.add(Label::new(RichText::new(verdict.title).strong().size(17.0).color(colour)).wrap());
+        ui.add(Label::new(&verdict.reason).wrap());
+        if verdict.explains == Some(false) {
+            wanted = ui.button("Go to Diagnosis").clicked();
+        }
+        ui.allocate_space(vec2(ui.available_width(), 0.0));
+    });
+    wanted
 }
 
 /// Determined ones first, then those that are not, then those that were known.
@@ -71,7 +94,7 @@ fn parameters(ui: &mut Ui, shown: &Identification) {
     Table::new("identified", &COLUMNS).show(ui, &rows, key, |ui, parameter, column| match column {
         0 => drop(ui.strong(&parameter.name)),
         1 => drop(ui.label(RichText::new(numbers::estimate(parameter.value, parameter.ci95)).monospace())),
-        2 => drop(ui.label(&parameter.unit)),
+        2 => drop(ui.label(socam_plot::words::unit(&parameter.unit))),
         3 => drop(ui.label(RichText::new(numbers::interval(parameter.value, parameter.ci95)).monospace())),
         4 => {
             if let Some(value) = parameter.value.filter(|_| parameter.source != "fixed") {
@@ -80,7 +103,7 @@ fn parameters(ui: &mut Ui, shown: &Identification) {
         }
         _ => {
             let colour = if parameter.value.is_some() { theme::weak(ui) } else { theme::alarm(ui) };
-            let text = known(parameter);
+            let text = known(parameter).replace("+-", "±");
             if !text.is_empty() {
                 ui.label(RichText::new(&text).color(colour)).on_hover_text(text);
             }

@@ -132,6 +132,23 @@ pub(super) fn gaps(ui: &Ui, entries: &[Entry], x: [f64; 2], width: f32, drawing:
     }
 }
 
+/// Shades times at which a recording has rows and a curve has no value. Ranges of a few samples in a picture of many have no pixel of their
+/// own: the list counts them.
+pub(super) fn missing(ui: &Ui, entries: &[Entry], signals: &[Signal], lit: Option<usize>, chart: &mut Chart) {
+    let all = signals.iter().flat_map(|signal| having(entries, signal, lit));
+    for (curve, (entry, samples, _)) in chart.curves.iter().zip(all) {
+        let colour = theme::line(ui, entry.number).gamma_multiply(0.16);
+        for pair in curve.parts.windows(2) {
+            let (Some(end), Some(start)) = (pair[0].last(), pair[1].first()) else { continue };
+            let middle_s = 0.5 * (end[0] + start[0]) - entry.shift_s;
+            if samples.segments().iter().any(|own| (own.start_s..=own.end_s).contains(&middle_s)) {
+                chart.shaded.push(([end[0], start[0]], colour));
+            }
+        }
+    }
+}
+
+/// Marks of events. Parts of a profile are many and all alike: they are short lines at the bottom.
 pub(super) fn marks(ui: &Ui, entries: &[Entry], x: [f64; 2]) -> Vec<Flag> {
     let mut flags = Vec::new();
     for entry in entries.iter().filter(|entry| entry.shown) {
@@ -147,7 +164,7 @@ pub(super) fn marks(ui: &Ui, entries: &[Entry], x: [f64; 2]) -> Vec<Flag> {
                 } else {
                     format!("{}: {}", event.kind, event.text)
                 };
-                flags.push(Flag { x: at, text, colour });
+                flags.push(Flag { is_short: event.kind == "phase", ..Flag::new(at, text, colour) });
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use egui::{Button, ComboBox, DragValue, RichText, Ui, Window};
 
+use crate::layout;
 use socam_chart::theme;
 use socam_workbench::derivation::{Derivation, Operation};
 use socam_workbench::signal::Signal;
@@ -29,8 +30,9 @@ impl Form {
         signals: &[Signal],
     ) -> (Option<Derivation>, bool) {
         let (mut added, mut open) = (None, true);
-        let centre = ctx.content_rect().center();
-        let window = Window::new("Derive a channel").collapsible(false).resizable(false);
+        let free = layout::free(ctx);
+        let centre = free.center();
+        let window = Window::new("Derive a channel").collapsible(false).resizable(false).constrain_to(free);
         window
             .open(&mut open)
             .default_width(420.0)

@@ -10,13 +10,14 @@ pub(super) const HELP: Help = &[
     ("Fit all; Home; double click", "shows everything; arrows pan and zoom"),
     (
         "Ctrl+Z; Ctrl+Y",
-        "undoes and redoes changes of what is shown: zoom, plots, hidden channels and recordings",
+        "undoes and redoes changes of what is shown: zoom, plots, hidden channels and recordings; opens a recording again that was closed",
     ),
     (
         "Cursors A, B; C; click",
         "cursors A and B, set in turns by clicks; the table below has values and differences",
     ),
     ("Zoom to A..B; Z", "shows what is between the cursors"),
+    ("Events", "shows or hides the marks of notes, stops, faults and parts of the profile"),
     (
         "Add",
         "XY plot (X), spectrogram (G), table of statistics (T): of what is visible or between the cursors; a channel derived from others (D): derivative, integral, difference, ratio, product, filters",

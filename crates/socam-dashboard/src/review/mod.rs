@@ -12,6 +12,7 @@ mod panes;
 mod plots;
 mod rows;
 mod spectrogram;
+mod start;
 mod statistics;
 mod toolbar;
 mod views;
@@ -26,14 +27,12 @@ use crate::view::{Help, ViewPanel};
 use derive::Form;
 use plots::Plots;
 use socam_chart::chart::{self, Chart, Seen, Shown, hover::Linked, range_of, with_room};
-use socam_chart::raster;
 use socam_workbench::arrangement::{Arrangement, Plot};
 use socam_workbench::derivation::{Derivation, Operation};
 use socam_workbench::derivations::Derivations;
 use socam_workbench::entry::{Entry, signals};
-use socam_workbench::purpose::Purpose;
 use socam_workbench::signal::Signal;
-use socam_workbench::{Content, Request, Workspace};
+use socam_workbench::{Request, Workspace};
 use views::Views;
 
 /// State of the view over time.
@@ -47,6 +46,8 @@ pub struct Review {
     derivations: Derivations,
     /// The dialog in which a channel is derived.
     form: Option<Form>,
+    /// Whether the marks of events are hidden.
+    hides_events: bool,
     /// Cursors A and B, s.
     pub cursors: Option<[f64; 2]>,
     /// Index of the cursor that the next click moves.
@@ -81,24 +82,39 @@ struct Drawing<'a> {
     seen: &'a mut Vec<Seen>,
     /// Requests to the window.
     requests: Vec<Request>,
+    /// Horizontal extents of spectrograms: plots over time above and below leave the room of their colour bars.
+    bars: Vec<egui::Rangef>,
+    /// Horizontal extents of the plots over time.
+    columns: Vec<egui::Rangef>,
 }
 
 impl Drawing<'_> {
-    /// Draws a chart, whose menu can save its picture.
-    fn show(&mut self, ui: &mut Ui, mut chart: Chart) -> Shown {
-        chart.can_save = true;
-        let mut shown = chart.show(ui, self.seen);
-        self.requests.extend(shown.to_save.take().map(|image| match raster::png(&image) {
-            Ok(bytes) => Request::SaveAs(Purpose::SavePicture, "plot.png".into(), Content::Bytes(bytes)),
-            Err(sentence) => Request::Warn(sentence),
-        }));
+    /// Whether a plot in this part of the window has a spectrogram above or below it.
+    fn leaves_room(&self, rect: egui::Rect) -> bool {
+        let is_same =
+            |bar: &egui::Rangef| (bar.min - rect.left()).abs() < 2.0 && (bar.max - rect.right()).abs() < 2.0;
+        self.bars.iter().any(is_same)
+    }
+
+    /// Draws a chart.
+    fn show(&mut self, ui: &mut Ui, chart: Chart) -> Shown {
+        let is_over_time = chart.stack.is_some();
+        let shown = chart.show(ui, self.seen);
+        if is_over_time {
+            self.columns.push(shown.frame.x_range());
+        }
         shown
     }
 }
 
 impl ViewPanel for Review {
     fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
-        let requests = self.draw(ui, &mut workspace.entries, seen);
+        let is_start = workspace.entries.is_empty();
+        let mut requests = self.draw(ui, &mut workspace.entries, seen);
+        if is_start {
+            egui::CentralPanel::default().show(ui, |ui| requests.extend(start::ui(ui, workspace)));
+        }
+        workspace.in_sight = self.x;
         requests.into_iter().for_each(|request| workspace.request(request));
     }
 
@@ -121,7 +137,7 @@ impl ViewPanel for Review {
     }
 
     fn undo(&mut self, workspace: &mut Workspace) {
-        self.step(&mut workspace.entries, Views::undo);
+        self.undo_last(&mut workspace.entries);
     }
 
     fn redo(&mut self, workspace: &mut Workspace) {
@@ -182,8 +198,9 @@ impl Review {
     /// Draws the list and the plots. Returns the requests to the window.
     fn draw(&mut self, ui: &mut Ui, entries: &mut Vec<Entry>, seen: &mut Vec<Seen>) -> Vec<Request> {
         let mut requests = Vec::new();
-        if let Some(closed) = self.list(ui, entries) {
-            entries.remove(closed);
+        if let Some(closed) = self.list(ui, entries, &mut requests) {
+            let entry = entries.remove(closed);
+            self.views.keep_closed(closed, entry);
             self.reference = None;
         }
         let signals = signals(entries);
@@ -191,22 +208,29 @@ impl Review {
         if !entries.is_empty() {
             cursors::panel(self, ui, entries, &signals);
         }
+        if entries.is_empty() {
+            self.dialog(ui, &signals);
+            self.remember(ui, entries, &signals);
+            return requests;
+        }
         egui::CentralPanel::default().show(ui, |ui| {
-            if entries.is_empty() {
-                chart::empty_state(
-                    ui,
-                    "No recording is open",
-                    "Drop recordings here, or press Ctrl+O. Several can be open at a time: each gets its own colour.",
-                );
-                return;
-            }
             requests.extend(self.toolbar(ui, entries, &signals));
             if let Some(job) = self.derivations.job() {
                 progress::job(ui, job);
             }
             let x = self.span(entries);
             let drawn = self.plots.drawn(&signals);
-            let mut drawing = Drawing { entries, signals: &signals, drawn, x, seen, requests: Vec::new() };
+            let bars = self.plots.bars();
+            let mut drawing = Drawing {
+                entries,
+                signals: &signals,
+                drawn,
+                x,
+                seen,
+                requests: Vec::new(),
+                bars,
+                columns: Vec::new(),
+            };
             self.charts(ui, &mut drawing);
             requests.append(&mut drawing.requests);
             requests.extend(self.keys(ui, entries, &signals));
@@ -239,6 +263,11 @@ impl Review {
             self.form = None;
         }
     }
+}
+
+/// The stack of all plots over time: a time stands at the same place in each plot of a column.
+fn stack() -> egui::Id {
+    egui::Id::unique("plots over time")
 }
 
 /// A choice among the channels that are there.

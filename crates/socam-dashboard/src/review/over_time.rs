@@ -58,6 +58,7 @@ impl Review {
         let plot = Plot::Time(signals.to_vec()).title();
         let mut chart = Chart::new(("review", &plot), content::title(signals, drawing.signals), rect.size());
         chart.when_empty = "no value here";
+        (chart.stack, chart.leaves_room) = (Some(super::stack()), drawing.leaves_room(rect));
         chart.x = x;
         if has_axis {
             chart.x_label = "time, s".into();
@@ -75,6 +76,7 @@ impl Review {
             }
             None => {
                 chart.curves = content::curves(ui, entries, signals, frame);
+                content::missing(ui, entries, signals, self.lit, &mut chart);
                 if let Some(at) = self.linked.at() {
                     chart.readings = content::readings(entries, signals, self.lit, at);
                 }
@@ -85,7 +87,9 @@ impl Review {
         let set_by_user = self.y.iter().find(|(name, _)| *name == plot).map(|(_, y)| *y);
         chart.y = set_by_user.unwrap_or_else(|| chart.fitted(range_of(values)));
         content::gaps(ui, entries, x, rect.width(), &mut chart);
-        chart.flags = content::marks(ui, entries, x);
+        if !self.hides_events {
+            chart.flags = content::marks(ui, entries, x);
+        }
         chart.flag_words = has_axis;
         self.mark_cursors(ui, &mut chart);
         chart
@@ -95,7 +99,7 @@ impl Review {
     pub(super) fn mark_cursors(&self, ui: &Ui, chart: &mut Chart) {
         let Some(cursors) = self.cursors else { return };
         let colour = ui.visuals().strong_text_color();
-        let flag = |(x, text): (f64, &str)| Flag { x, text: text.into(), colour };
+        let flag = |(x, text): (f64, &str)| Flag::new(x, text, colour);
         chart.flags.extend(cursors.into_iter().zip(["A", "B"]).map(flag));
         chart.flags.sort_by(|a, b| a.x.total_cmp(&b.x));
     }

@@ -8,6 +8,7 @@ use super::plots::Plots;
 use super::plots::heights::{GAP, TABS};
 use super::plots::insert::{Place, place_at};
 use super::{Drawing, Review};
+use socam_chart::chart::{Scale, X_AXIS, ruler};
 use socam_chart::theme;
 use socam_workbench::Request;
 use socam_workbench::arrangement::Plot;
@@ -33,12 +34,16 @@ impl Review {
     /// Draws all plots in the rest of the window.
     pub(super) fn tiles(&mut self, ui: &mut Ui, drawing: &mut Drawing<'_>) {
         let mut plots = std::mem::take(&mut self.plots);
-        let height = ui.available_height().max(plots.least_height());
+        let (room, least) = (ui.available_height(), plots.least_height());
+        let is_scrolled = least > room;
+        let height = room.max(least);
         plots.level(height);
         let lowest = plots.lowest();
         let bars_only =
             egui::scroll_area::ScrollSource { scroll_bar: true, ..egui::scroll_area::ScrollSource::NONE };
-        let scrolled = ScrollArea::vertical().scroll_source(bars_only).auto_shrink(false);
+        // The axis of plots that are scrolled stays in sight below them.
+        let part = if is_scrolled { room - X_AXIS } else { room };
+        let scrolled = ScrollArea::vertical().scroll_source(bars_only).auto_shrink(false).max_height(part);
         let done = scrolled.show(ui, |ui| {
             plots.tree.set_height(height);
             let mut panes = Panes { clip: ui.clip_rect(), review: self, drawing, lowest, done: None };
@@ -47,6 +52,10 @@ impl Review {
             let problem = drop_channel(ui, &mut plots);
             (done, problem)
         });
+        if is_scrolled {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            ruler(ui, &drawing.columns, drawing.x, Scale::Linear, "time, s");
+        }
         let (done, problem) = done.inner;
         match done {
             Some(Done::Close(id)) => plots.dismiss(id),

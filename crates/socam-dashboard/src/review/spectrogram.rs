@@ -88,6 +88,7 @@ impl Review {
         chart.x = drawing.x;
         chart.x_label = if has_axis { "time, s".into() } else { String::new() };
         chart.when_empty = "no spectrogram yet";
+        chart.stack = Some(super::stack());
         if let Some((entry, samples, channel)) = first {
             let range = drawing.x.map(|x| x - entry.shift_s);
             let key = Key { samples: (*samples).clone(), channel: *channel, range, shift_s: entry.shift_s };

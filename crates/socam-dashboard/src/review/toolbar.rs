@@ -78,7 +78,7 @@ impl Review {
     pub(super) fn toolbar(
         &mut self,
         ui: &mut Ui,
-        entries: &mut [Entry],
+        entries: &mut Vec<Entry>,
         signals: &[Signal],
     ) -> Option<Request> {
         let mut action = None;
@@ -88,6 +88,12 @@ impl Review {
                 self.fit();
             }
             self.cursor_buttons(ui, entries);
+            if entries.iter().any(|entry| !entry.recording.about.events.is_empty()) {
+                let mut shows = !self.hides_events;
+                let button = ui.toggle_value(&mut shows, "Events");
+                button.on_hover_text("Marks of notes, stops, faults and parts of the profile");
+                self.hides_events = !shows;
+            }
             ui.menu_button("Add", |ui| {
                 let actions = [Action::Xy, Action::Spectrogram, Action::Statistics, Action::Derive];
                 action = actions.into_iter().find_map(|own| own.item(ui)).or(action);
@@ -99,7 +105,7 @@ impl Review {
                 let [undo, redo] = self.views.can();
                 let button = |name, keys| Button::new(name).shortcut_text(keys);
                 if ui.add_enabled(undo, button("Undo change of view", "Ctrl+Z")).clicked() {
-                    self.step(entries, Views::undo);
+                    self.undo_last(entries);
                 }
                 if ui.add_enabled(redo, button("Redo change of view", "Ctrl+Y")).clicked() {
                     self.step(entries, Views::redo);

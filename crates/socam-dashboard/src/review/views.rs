@@ -23,7 +23,12 @@ pub(super) struct Views {
     history: Option<ViewHistory<View>>,
     /// The last view, and the channels that there were.
     last: Option<(View, Vec<Signal>)>,
+    /// Recordings that were closed, with their places in the list and the view before, the last one last.
+    closed: Vec<(usize, Entry, View)>,
 }
+
+/// Most recordings that undo opens again.
+const MOST_CLOSED: usize = 20;
 
 impl Views {
     pub(super) fn undo(&mut self) -> Option<View> {
@@ -36,7 +41,28 @@ impl Views {
 
     /// Whether there is something to undo, and something to redo.
     pub(super) fn can(&self) -> [bool; 2] {
-        self.history.as_ref().map_or([false; 2], ViewHistory::can)
+        let [undo, redo] = self.history.as_ref().map_or([false; 2], ViewHistory::can);
+        [undo || !self.closed.is_empty(), redo]
+    }
+
+    /// Keeps a recording that was closed, until it is opened again by undo.
+    pub(super) fn keep_closed(&mut self, place: usize, entry: Entry) {
+        if let Some((view, _)) = &self.last {
+            self.closed.push((place, entry, view.clone()));
+            if self.closed.len() > MOST_CLOSED {
+                self.closed.remove(0);
+            }
+        }
+    }
+
+    /// The recording that was closed last, if nothing was changed since.
+    fn reopened(&mut self) -> Option<(usize, Entry)> {
+        let (last, _) = self.last.as_ref()?;
+        let (.., before) = self.closed.last()?;
+        // Closing a recording changes what is hidden, the reference and the plots by itself.
+        let is_last_change = (&before.x, &before.y) == (&last.x, &last.y);
+        let (place, entry, _) = self.closed.pop_if(|_| is_last_change)?;
+        Some((place, entry))
     }
 }
 
@@ -64,6 +90,20 @@ impl Review {
             history.note(&view, ui.input(|input| input.time));
         }
         self.views.last = Some((view, signals.to_vec()));
+    }
+
+    /// Undoes the last change: opens a recording again if it was closed last.
+    pub(super) fn undo_last(&mut self, entries: &mut Vec<Entry>) {
+        match self.views.reopened() {
+            Some((place, mut entry)) => {
+                // Another recording may have got its colour.
+                if entries.iter().any(|other| other.number == entry.number) {
+                    entry = Entry::new(entry.recording, entries);
+                }
+                entries.insert(place.min(entries.len()), entry);
+            }
+            None => self.step(entries, Views::undo),
+        }
     }
 
     /// Shows an earlier or later view.

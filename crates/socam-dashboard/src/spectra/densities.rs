@@ -1,5 +1,8 @@
 //! Power densities of a recording's channels, by Welch's method.
 
+use std::ops::Range;
+
+use socam_chart::numbers::number;
 use socam_samples::Samples;
 use socam_spectrum::{Spectra, Welch};
 use socam_workbench::job::Handle;
@@ -16,14 +19,25 @@ pub(super) const TOO_SHORT: &str =
 /// Spectra of all channels; `None` for a channel without a whole window.
 pub(super) type Densities = Vec<Option<Spectra>>;
 
+/// What spectra are made of.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Part {
+    /// Range of time, s; `None` is the whole recording.
+    pub(super) range_s: Option<[f64; 2]>,
+    /// Samples of a window; `None` is as many as leave eight windows or more.
+    pub(super) length: Option<usize>,
+}
+
 /// # Errors
 /// When no channel has a whole window, or the job was cancelled; one sentence.
-pub(super) fn densities(samples: &Samples, handle: &Handle) -> Result<Densities, String> {
-    let longest = samples.segments().iter().map(|segment| segment.rows as usize).max().unwrap_or(0);
+pub(super) fn densities(samples: &Samples, part: Part, handle: &Handle) -> Result<Densities, String> {
+    let runs = runs(samples, part.range_s);
+    let longest = runs.iter().map(Range::len).max().unwrap_or(0);
     // Eight windows or more, so that their mean is smooth; fewer only where there are few samples.
-    let length = (1_usize << (longest / 4).max(1).ilog2()).clamp(SHORTEST, LONGEST);
+    let usual = || (1_usize << (longest / 4).max(1).ilog2()).clamp(SHORTEST, LONGEST);
+    let length = part.length.unwrap_or_else(usual);
     let mut welch: Vec<Welch> = (0..samples.channels()).map(|_| Welch::new(length)).collect();
-    let starts = starts(samples, length);
+    let starts = starts(&runs, length);
     for (done, start) in starts.iter().enumerate() {
         handle.reached(done as f32 / starts.len() as f32)?;
         for (channel, welch) in welch.iter_mut().enumerate() {
@@ -35,25 +49,87 @@ pub(super) fn densities(samples: &Samples, handle: &Handle) -> Result<Densities,
     if densities.iter().all(Option::is_none) { Err(TOO_SHORT.into()) } else { Ok(densities) }
 }
 
+/// Rows without a gap, those of a range of time.
+fn runs(samples: &Samples, range_s: Option<[f64; 2]>) -> Vec<Range<usize>> {
+    let [first, end] = match range_s {
+        Some([from, to]) => [samples.row_at(from), samples.row_at(to.next_up())],
+        None => [0, samples.rows()],
+    };
+    let run = |segment: &socam_recording::Segment| {
+        (segment.first_row as usize).max(first)..(segment.end_row() as usize).min(end)
+    };
+    samples.segments().iter().map(run).filter(|run| !run.is_empty()).collect()
+}
+
 /// First rows of windows of one length; they overlap by half and do not cross gaps.
-fn starts(samples: &Samples, length: usize) -> Vec<usize> {
+fn starts(runs: &[Range<usize>], length: usize) -> Vec<usize> {
     let mut starts = Vec::new();
-    for segment in samples.segments().iter().filter(|segment| segment.rows as usize >= length) {
-        let (first, rows) = (segment.first_row as usize, segment.rows as usize);
-        starts.extend((0..=rows - length).step_by(length / 2).map(|start| first + start));
+    for run in runs.iter().filter(|run| run.len() >= length) {
+        starts.extend((run.start..=run.end - length).step_by(length / 2));
     }
     let every = starts.len().div_ceil(WINDOWS).max(1);
     starts.into_iter().step_by(every).collect()
 }
 
-/// Amplitude spectral density over frequency, Hz, without the mean.
-pub(super) fn amplitudes(spectra: &Spectra) -> Vec<[f64; 2]> {
+/// How a spectrum is scaled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Scaling {
+    /// Amplitude spectral density, unit per sqrt(Hz): the level of noise.
+    #[default]
+    Density,
+    /// Amplitude of a sine at that frequency, unit.
+    Amplitude,
+    /// Power density in decibels relative to the unit squared per Hz.
+    Decibel,
+}
+
+/// Width of the peak of a sine under a Hann window, lines.
+const HANN_LINES: f64 = 1.5;
+
+impl Scaling {
+    pub(super) const ALL: [(Self, &str); 3] =
+        [(Self::Density, "density"), (Self::Amplitude, "amplitude"), (Self::Decibel, "dB")];
+
+    /// Unit of a channel's spectrum.
+    pub(super) fn unit(self, unit: &str) -> String {
+        match self {
+            Self::Density => format!("{unit} per sqrt(Hz)"),
+            Self::Amplitude => unit.to_owned(),
+            Self::Decibel => format!("dB of ({unit})²/Hz"),
+        }
+    }
+
+    fn of(self, density: f64, step_hz: f64) -> f64 {
+        match self {
+            Self::Density => density.sqrt(),
+            Self::Amplitude => (2.0 * HANN_LINES * step_hz * density).sqrt(),
+            Self::Decibel => 10.0 * density.max(1e-300).log10(),
+        }
+    }
+}
+
+/// What the spectra cannot show, and how smooth they are.
+pub(super) fn remark(spectra: &Spectra) -> String {
+    let window_s = 1.0 / spectra.step_hz();
+    format!(
+        "Hann window of {} s, {} averaged: lines are {} Hz apart, slower signals do not show",
+        number(window_s),
+        socam_plot::words::counted(spectra.segments() as usize, "window", "windows"),
+        number(spectra.step_hz())
+    )
+}
+
+/// A spectrum over frequency, Hz, without the mean.
+pub(super) fn line(spectra: &Spectra, scaling: Scaling) -> Vec<[f64; 2]> {
     let density = spectra.density(0).into_iter().enumerate().skip(1);
-    density.map(|(line, density)| [spectra.frequency_hz(line), density.sqrt()]).collect()
+    let step_hz = spectra.step_hz();
+    density.map(|(line, density)| [spectra.frequency_hz(line), scaling.of(density, step_hz)]).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use socam_recording::{Channel, Dataset, Unit};
 
@@ -73,8 +149,8 @@ mod tests {
         let channels = vec![Channel::new("u", Unit::V), Channel::new("y", Unit::V)];
         let data = Dataset::from_columns("r", channels, time_s.clone(), columns.to_vec()).unwrap();
         let samples = Samples::in_memory(time_s, &columns, data.segments().to_vec());
-        for spectra in densities(&samples, &Handle::default()).unwrap() {
-            let line = amplitudes(&spectra.unwrap());
+        for spectra in densities(&samples, Part::default(), &Handle::default()).unwrap() {
+            let line = line(&spectra.unwrap(), Scaling::Density);
             let mean = line.iter().map(|point| point[1].powi(2)).sum::<f64>() / line.len() as f64;
             assert!((mean.sqrt() / (std * (2.0 * step_s).sqrt()) - 1.0).abs() < 0.02, "{mean}");
         }
@@ -83,6 +159,36 @@ mod tests {
     #[test]
     fn what_is_too_short_says_so() {
         let samples = Samples::in_memory(vec![0.0], &[vec![1.0]], Vec::new());
-        assert_eq!(densities(&samples, &Handle::default()).err().as_deref(), Some(TOO_SHORT));
+        assert_eq!(
+            densities(&samples, Part::default(), &Handle::default()).err().as_deref(),
+            Some(TOO_SHORT)
+        );
+    }
+
+    /// A sine of amplitude 3 in the second half only: the range decides what is seen, and the length what is told apart.
+    #[test]
+    fn a_range_and_a_length_are_those_that_were_asked_for() {
+        let (rows, step_s) = (20_000, 1e-3);
+        let value =
+            |row: usize| if row < rows / 2 { 0.0 } else { 3.0 * (TAU * 50.0 * row as f64 * step_s).sin() };
+        let (time_s, values) =
+            (0..rows).map(|row| (row as f64 * step_s, value(row))).unzip::<_, _, Vec<_>, Vec<_>>();
+        let data = Dataset::from_columns(
+            "r",
+            vec![Channel::new("u", Unit::V)],
+            time_s.clone(),
+            vec![values.clone()],
+        );
+        let samples = Samples::in_memory(time_s, &[values], data.unwrap().segments().to_vec());
+        let at_50_hz = |range_s: [f64; 2]| {
+            let part = Part { range_s: Some(range_s), length: Some(1000) };
+            let all = densities(&samples, part, &Handle::default()).unwrap();
+            let spectra = all[0].as_ref().unwrap();
+            assert!((spectra.step_hz() - 1.0).abs() < 1e-9);
+            line(spectra, Scaling::Amplitude)[49]
+        };
+        let [frequency_hz, amplitude] = at_50_hz([10.0, 20.0]);
+        assert!((frequency_hz - 50.0).abs() < 1e-9 && (amplitude - 3.0).abs() < 0.01, "{amplitude}");
+        assert!(at_50_hz([0.0, 9.0])[1] < 1e-6);
     }
 }

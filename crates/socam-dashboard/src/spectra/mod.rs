@@ -17,7 +17,7 @@ use socam_model::Model;
 use crate::platform::ResponseOptions;
 use crate::view::{Help, ViewPanel};
 use cache::Cache;
-use densities::{Densities, densities};
+use densities::{Densities, Scaling, densities};
 use legend::legend;
 use socam_chart::chart::{self, Seen};
 use socam_response::{Measured, Settings};
@@ -51,6 +51,15 @@ struct Between {
 /// The model, and the number that it has until it is replaced.
 type Numbered<'m> = (&'m Model, u64);
 
+/// Part of the recordings of which spectra are made.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct SpectrumPart {
+    /// Whether only what the view over time has in sight counts.
+    is_in_sight: bool,
+    /// Samples of a window; `None`: as the recording's length allows.
+    length: Option<usize>,
+}
+
 /// State of the view.
 #[derive(Default)]
 pub struct Spectra {
@@ -60,7 +69,9 @@ pub struct Spectra {
     output: Option<String>,
     options: ResponseOptions,
     between: poles::ZeroChannels,
-    densities: Cache<(), Densities>,
+    part: SpectrumPart,
+    scaling: Scaling,
+    densities: Cache<densities::Part, Densities>,
     responses: Cache<Between, Measured>,
 }
 
@@ -73,7 +84,9 @@ impl std::fmt::Debug for Spectra {
 impl ViewPanel for Spectra {
     fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
         let numbered = (workspace.model(), workspace.revision());
-        egui::CentralPanel::default().show(ui, |ui| self.draw(ui, &workspace.entries, numbered, seen));
+        let in_sight = workspace.in_sight;
+        egui::CentralPanel::default()
+            .show(ui, |ui| self.draw(ui, (&workspace.entries, in_sight), numbered, seen));
     }
 
     fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
@@ -87,7 +100,10 @@ impl ViewPanel for Spectra {
 
     fn help() -> Help {
         &[
-            ("Spectrum", "amplitude spectral density by Welch's method"),
+            (
+                "Spectrum; Window; Range in sight; density; amplitude; dB",
+                "spectra by Welch's method with a Hann window: samples of a window, the whole recording or what the Time view has in sight; the level of noise, the amplitude of a sine, or power in decibels",
+            ),
             (
                 "Response; output; over input; Band, Hz",
                 "output over input with coherence, as identify --method frf estimates it with the options of that command, and the model's own response",
@@ -101,9 +117,15 @@ impl ViewPanel for Spectra {
 }
 
 impl Spectra {
-    fn draw(&mut self, ui: &mut Ui, entries: &[Entry], numbered: Numbered<'_>, seen: &mut Vec<Seen>) {
+    fn draw(
+        &mut self,
+        ui: &mut Ui,
+        (entries, in_sight): (&[Entry], Option<[f64; 2]>),
+        numbered: Numbered<'_>,
+        seen: &mut Vec<Seen>,
+    ) {
         let (model, _) = numbered;
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             for (kind, name) in [
                 (ChartType::Spectrum, "Spectrum"),
                 (ChartType::Response, "Response"),
@@ -111,8 +133,10 @@ impl Spectra {
             ] {
                 ui.selectable_value(&mut self.kind, kind, name);
             }
-            if self.kind == ChartType::Response {
-                self.choose(ui, entries, model);
+            match self.kind {
+                ChartType::Response => self.choose(ui, entries, model),
+                ChartType::Spectrum => self.spectrum_options(ui, in_sight.is_some()),
+                ChartType::Poles => {}
             }
         });
         if self.kind == ChartType::Poles {
@@ -137,11 +161,38 @@ impl Spectra {
         {
             self.options.ui(ui, model, [input, output], &shown);
         }
-        self.compute(ui, &shown, numbered);
+        let part =
+            densities::Part { range_s: in_sight.filter(|_| self.part.is_in_sight), length: self.part.length };
+        self.compute(ui, &shown, numbered, part);
         legend(ui, &shown);
         match self.kind {
             ChartType::Response => self.response(ui, &shown, numbered, seen),
-            _ => self.spectrum(ui, &shown, seen),
+            _ => self.spectrum(ui, &shown, part, seen),
+        }
+    }
+
+    /// Range, window and scale of spectra.
+    fn spectrum_options(&mut self, ui: &mut Ui, is_zoomed: bool) {
+        ui.separator();
+        ui.add_enabled_ui(is_zoomed, |ui| {
+            let tick = ui.checkbox(&mut self.part.is_in_sight, "Range in sight");
+            tick.on_hover_text("Of the range of time that the Time view shows")
+                .on_disabled_hover_text("Zoom in the Time view: its range is then used");
+        });
+        let label = ui.label("Window");
+        let name = |length: Option<usize>| {
+            length.map_or_else(|| "by length".to_owned(), |length| format!("{length} samples"))
+        };
+        let shown = ComboBox::from_id_salt("window").selected_text(name(self.part.length)).width(110.0);
+        let shown = shown.show_ui(ui, |ui| {
+            let lengths = (8..=18).step_by(2).map(|power| Some(1_usize << power));
+            for length in std::iter::once(None).chain(lengths) {
+                ui.selectable_value(&mut self.part.length, length, name(length));
+            }
+        });
+        shown.response.labelled_by(label.id);
+        for (scaling, name) in Scaling::ALL {
+            ui.selectable_value(&mut self.scaling, scaling, name);
         }
     }
 
@@ -152,11 +203,17 @@ impl Spectra {
     }
 
     /// Starts the work on what the chart lacks, of one recording after another.
-    fn compute(&mut self, ui: &mut Ui, shown: &[(usize, &Recording)], (model, revision): Numbered<'_>) {
+    fn compute(
+        &mut self,
+        ui: &mut Ui,
+        shown: &[(usize, &Recording)],
+        (model, revision): Numbered<'_>,
+        part: densities::Part,
+    ) {
         let is_shown = |samples: &Arc<Samples>| {
             shown.iter().any(|(_, recording)| Arc::ptr_eq(&recording.samples, samples))
         };
-        self.densities.retain(|samples, ()| is_shown(samples));
+        self.densities.retain(|samples, own| is_shown(samples) && *own == part);
         self.responses.retain(|samples, between| between.revision == revision && is_shown(samples));
         let name = |recording: &Recording| short(&recording.about.name).to_owned();
         if self.kind == ChartType::Response {
@@ -175,12 +232,13 @@ impl Spectra {
             }
             self.responses.progress(ui);
         } else {
-            let lacks = |recording: &Recording| self.densities.get(&recording.samples, &()).is_none();
+            let lacks = |recording: &Recording| self.densities.get(&recording.samples, &part).is_none();
             if let Some((_, recording)) = shown.iter().find(|(_, recording)| lacks(recording)) {
                 let samples = recording.samples.clone();
                 let title = format!("Spectra of {}", name(recording));
                 let work = samples.clone();
-                self.densities.start(ui, &title, (samples, ()), move |handle| densities(&work, handle));
+                self.densities
+                    .start(ui, &title, (samples, part), move |handle| densities(&work, part, handle));
             }
             self.densities.progress(ui);
         }

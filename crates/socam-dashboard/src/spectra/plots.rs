@@ -7,13 +7,19 @@ use socam_chart::chart::{self, Chart, Curve, Scale, Seen, Style, range_of};
 use socam_chart::theme;
 use socam_workbench::recording::{Recording, short};
 
-use super::densities::{self, amplitudes};
+use super::densities::{self, Scaling};
 use super::model_response::model_response;
 use super::response::{Curves, curves};
 use super::{Numbered, Spectra};
 
 impl Spectra {
-    pub(super) fn spectrum(&self, ui: &mut Ui, shown: &[(usize, &Recording)], seen: &mut Vec<Seen>) {
+    pub(super) fn spectrum(
+        &self,
+        ui: &mut Ui,
+        shown: &[(usize, &Recording)],
+        part: densities::Part,
+        seen: &mut Vec<Seen>,
+    ) {
         let mut channels: Vec<&socam_recording::Channel> = Vec::new();
         for channel in shown.iter().flat_map(|(_, recording)| &recording.about.channels) {
             if !channels.contains(&channel) {
@@ -21,36 +27,53 @@ impl Spectra {
             }
         }
         let found: Vec<_> =
-            shown.iter().map(|(_, recording)| self.densities.get(&recording.samples, &())).collect();
+            shown.iter().map(|(_, recording)| self.densities.get(&recording.samples, &part)).collect();
         let known = || found.iter().filter_map(|result| result.as_ref()?.as_ref().ok());
         let ends = known().flatten().flatten();
         let ends = ends.flat_map(|own| [own.frequency_hz(1), own.frequency_hz(own.lines() - 1)]);
         let x = range_of(ends).unwrap_or([0.1, 500.0]);
+        if let Some(spectra) = known().flatten().flatten().next() {
+            remark(ui, &densities::remark(spectra));
+        }
         let has_failed = found.iter().any(|result| matches!(result, Some(Err(_))));
         let height = heights(ui, channels.len());
         ui.spacing_mut().item_spacing.y = 3.0;
-        egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        let room = ui.available_height();
+        let is_scrolled = (height + 3.0) * channels.len() as f32 + AXIS > room + 1.0;
+        let mut columns = Vec::new();
+        let part = if is_scrolled { room - AXIS } else { room };
+        egui::ScrollArea::vertical().auto_shrink(false).max_height(part).show(ui, |ui| {
             for (place, channel) in channels.iter().enumerate() {
                 let is_last = place + 1 == channels.len();
-                let title = format!("{}, {} per sqrt(Hz)", channel.name, channel.unit);
+                let title = format!("{}, {}", channel.name, self.scaling.unit(&channel.unit.to_string()));
                 let size = vec2(ui.available_width(), if is_last { height + AXIS } else { height });
                 let mut chart = Chart::new(("spectrum", channel.column_name()), title, size);
                 for ((number, recording), found) in shown.iter().zip(&found) {
                     let own = recording.about.channels.iter().position(|other| other == *channel);
                     let Some((index, Ok(all))) = own.zip(*found) else { continue };
                     if let Some(spectra) = &all[index] {
-                        let line = amplitudes(spectra);
+                        let line = densities::line(spectra, self.scaling);
                         chart.curves.push(curve(ui, *number, &recording.about.name, vec![line]));
                     }
                 }
                 finish(&mut chart, x, is_last);
-                chart.scales = [Scale::Log; 2];
+                let is_linear = self.scaling == Scaling::Decibel;
+                chart.scales = [Scale::Log, if is_linear { Scale::Linear } else { Scale::Log }];
                 let values = chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]));
-                chart.y = over_decades(&chart, values, 1e-7);
+                chart.y = if is_linear {
+                    // As far down as the logarithmic axis goes.
+                    let range = range_of(values).map(|[low, high]| [low.max(high - 140.0), high]);
+                    chart.fitted(range)
+                } else {
+                    over_decades(&chart, values, 1e-7)
+                };
                 chart.when_empty = if has_failed { densities::TOO_SHORT } else { "no spectrum yet" };
-                chart.show(ui, seen);
+                columns.push(chart.show(ui, seen).frame.x_range());
             }
         });
+        if is_scrolled {
+            chart::ruler(ui, &columns, x, Scale::Log, "frequency, Hz");
+        }
     }
 
     pub(super) fn response(
@@ -67,8 +90,10 @@ impl Spectra {
         let lines =
             || found.iter().filter_map(|result| Some(&result.as_ref()?.as_ref().ok()?.response.lines));
         let x = range_of(lines().flatten().map(|line| line.frequency_hz)).unwrap_or([0.1, 100.0]);
+        let [over, under] = [output, input].map(|column| signal_of(shown, column));
+        let unit = format!("({})/({})", over.1, under.1);
         let mut charts = [
-            ("magnitude", format!("|{output} / input|")),
+            ("magnitude", format!("|{} / {}|, {unit}", over.0, under.0)),
             ("phase", "phase, degrees".to_owned()),
             ("coherence", "coherence".to_owned()),
         ]
@@ -107,19 +132,38 @@ impl Spectra {
         remarks.iter().for_each(|text| remark(ui, text));
         let height = heights(ui, 3);
         ui.spacing_mut().item_spacing.y = 3.0;
-        for (place, mut chart) in charts.into_iter().enumerate() {
-            chart.size = vec2(ui.available_width(), if place == 2 { height + AXIS - 22.0 } else { height });
-            finish(&mut chart, x, place == 2);
-            chart.scales = [Scale::Log, if place == 0 { Scale::Log } else { Scale::Linear }];
-            let values = chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]));
-            chart.y = match place {
-                0 => over_decades(&chart, values, 1e-6),
-                1 => [-190.0, 190.0],
-                _ => [-0.05, 1.15],
-            };
-            chart.when_empty = "no response yet";
-            chart.show(ui, seen);
+        let room = ui.available_height();
+        let is_scrolled = 3.0 * (height + 3.0) + AXIS > room + 1.0;
+        let mut columns = Vec::new();
+        let part = if is_scrolled { room - AXIS } else { room };
+        egui::ScrollArea::vertical().auto_shrink(false).max_height(part).show(ui, |ui| {
+            for (place, mut chart) in charts.into_iter().enumerate() {
+                let own = if place == 2 && !is_scrolled { height + AXIS } else { height };
+                chart.size = vec2(ui.available_width(), own);
+                finish(&mut chart, x, place == 2 && !is_scrolled);
+                chart.scales = [Scale::Log, if place == 0 { Scale::Log } else { Scale::Linear }];
+                let values = chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]));
+                chart.y = match place {
+                    0 => over_decades(&chart, values, 1e-6),
+                    1 => [-190.0, 190.0],
+                    _ => [-0.05, 1.15],
+                };
+                chart.when_empty = "no response yet";
+                columns.push(chart.show(ui, seen).frame.x_range());
+            }
+        });
+        if is_scrolled {
+            chart::ruler(ui, &columns, x, Scale::Log, "frequency, Hz");
         }
+    }
+}
+
+/// Name and unit of the channel of a column.
+fn signal_of(shown: &[(usize, &Recording)], column: &str) -> (String, String) {
+    let mut channels = shown.iter().flat_map(|(_, recording)| &recording.about.channels);
+    match channels.find(|channel| channel.column_name() == column) {
+        Some(channel) => (channel.name.clone(), channel.unit.to_string()),
+        None => (column.to_owned(), "1".into()),
     }
 }
 

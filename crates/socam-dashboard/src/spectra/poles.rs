@@ -85,25 +85,22 @@ fn table(ui: &mut Ui, modes: &[Mode], zeros: &[Complex<f64>]) {
 
 /// Poles and zeros on the complex plane.
 fn plane(ui: &mut Ui, poles: Vec<[f64; 2]>, zeros: Vec<[f64; 2]>, seen: &mut Vec<Seen>) {
-    let mut chart = Chart::new(
-        "poles",
-        "poles (crosses) and zeros (circles): imaginary part, rad/s",
-        vec2(ui.available_width(), ui.available_height()),
-    );
+    let size = vec2(ui.available_width(), ui.available_height());
+    let mut chart = Chart::new("poles", String::new(), size);
     chart.x_label = "real part, 1/s".into();
     // Poles and zeros beyond twice the largest oscillating pole are left out: they would compress the scale.
     let largest =
         poles.iter().filter(|point| point[1] != 0.0).map(|[re, im]| re.hypot(*im)).fold(0.0, f64::max);
     let is_near = |point: &&[f64; 2]| largest == 0.0 || point[0].hypot(point[1]) < 2.0 * largest;
     let omitted = poles.iter().chain(&zeros).filter(|point| !is_near(point)).count();
-    if omitted > 0 {
-        chart.title.push_str(&format!("; {omitted} farther out"));
-    }
+    // The unit is what stands behind the last comma.
+    let farther = if omitted > 0 { format!(", {omitted} farther out") } else { String::new() };
+    chart.title = format!("poles (crosses) and zeros (circles){farther}: imaginary part, rad/s");
     let drawn = || poles.iter().chain(&zeros).filter(is_near);
     let reals = drawn().map(|point| point[0]).chain([0.0]);
     chart.x = range_of(reals).map_or([-1.0, 1.0], with_room);
     chart.y = chart.fitted(range_of(drawn().map(|point| point[1]).chain([0.0])));
-    chart.flags = vec![Flag { x: 0.0, text: "limit of stability".into(), colour: theme::weak(ui) }];
+    chart.flags = vec![Flag::new(0.0, "limit of stability", theme::weak(ui))];
     chart.when_empty = "the model has no states";
     chart.curves = [("poles", 0, poles, MarkerShape::Cross), ("zeros", 1, zeros, MarkerShape::Circle)]
         .map(|(name, number, points, shape)| Curve {

@@ -87,6 +87,6 @@ impl Dashboard {
 
     pub(crate) fn asking(&mut self, _: &mut Ui) {}
 
-    /// No file that a page is given needs a mapping.
-    pub(crate) fn write_mapping(&mut self, _: &str) {}
+    /// A page reads no file whose columns lack units.
+    pub(crate) fn ask_for_columns(&mut self, _: &str) {}
 }

@@ -7,7 +7,7 @@ mod responding;
 mod views;
 
 pub(crate) use checking::{CheckOptions, CheckOptions as CheckTask, check};
-pub(crate) use own::{Own, can_be_mapped, save};
+pub(crate) use own::{Own, save};
 pub(crate) use responding::ResponseOptions;
 pub use views::Views;
 

@@ -24,8 +24,3 @@ pub(crate) fn save(recording: &Recording, path: &Path, _: &Handle) -> Result<Opt
     save::write(recording, path, &mut bytes)?;
     Ok(Some(bytes))
 }
-
-/// Whether a mapping would help to open a file: a page has no place for one.
-pub(crate) fn can_be_mapped(_: &str) -> bool {
-    false
-}

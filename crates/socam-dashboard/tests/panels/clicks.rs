@@ -167,7 +167,7 @@ fn what_is_not_determined_is_said() {
     };
     dashboard.show(document);
     let window = window(dashboard);
-    window.get_by_label("its 95 % interval is +-368 %; it cannot be told apart from k2, c2, c3");
+    window.get_by_label("its 95 % interval is ±368 %; it cannot be told apart from k2, c2, c3");
     window.get_by_label("133.35 to 135.29");
 }
 
@@ -250,7 +250,7 @@ fn the_menus_choose_a_signal_and_undo() {
     let mut window = with(View::Live, 0);
     let before = window.state().workspace.signal.settings.clone();
     click(&mut window, "Input Signal");
-    click(&mut window, "Constant");
+    click(&mut window, "constant");
     assert_ne!(window.state().workspace.signal.settings, before);
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     window.run_steps(2);
@@ -306,4 +306,106 @@ fn help_names_each_control() {
         }
     }
     assert!(unnamed.is_empty(), "help says nothing of {unnamed:?}");
+}
+
+fn inside(window: &Harness<'static, Dashboard>, label: &str) -> egui::Rect {
+    window.get_all_by_label(label).next().unwrap_or_else(|| panic!("{label} is not there")).rect()
+}
+
+/// The help is moved and enlarged at will, and never lies over the emergency stop.
+#[test]
+fn the_help_does_not_cover_the_emergency_stop() {
+    for size in [[800.0, 600.0], [640.0, 420.0], [1280.0, 800.0]] {
+        let mut window = with(View::Live, 0);
+        window.set_size(size.into());
+        window.key_press(egui::Key::F1);
+        window.run_steps(4);
+        let stop = inside(&window, "EMERGENCY STOP");
+        let title = inside(&window, "What each control does");
+        // Dragged towards the button.
+        for (at, pressed) in [(title.center(), true), (stop.center(), false)] {
+            window.hover_at(at);
+            window.run_steps(1);
+            window.event(egui::Event::PointerButton {
+                pos: at,
+                button: egui::PointerButton::Primary,
+                pressed,
+                modifiers: egui::Modifiers::NONE,
+            });
+            window.run_steps(3);
+        }
+        let title = inside(&window, "What each control does");
+        assert!(title.top() >= stop.bottom(), "{size:?}: {title:?} covers {stop:?}");
+        window.key_press(egui::Key::Escape);
+        window.run_steps(2);
+        assert!(window.query_by_label("What each control does").is_none(), "Esc closes the help");
+    }
+}
+
+/// In every view the frame says what the watch says, and the title of the window does, too.
+#[test]
+fn the_state_of_the_watch_is_seen_in_every_view() {
+    use socam_workbench::watch::{Tone, WatchState};
+    let mut window = with(View::Time, 1);
+    assert_eq!(window.state().title(), "socam: no board");
+    window.state_mut().workspace.watch = Some(WatchState { text: "not judged".into(), tone: Tone::Quiet });
+    for view in ["Live", "Time", "Frequency", "Check", "Identify", "Diagnosis"] {
+        click(&mut window, view);
+        window.get_by_label("Watch: not judged");
+    }
+    assert_eq!(window.state().title(), "socam: no board; watch: not judged");
+    click(&mut window, "Watch: not judged");
+    assert_eq!(window.state().layout.view, View::Watch);
+}
+
+/// A long step of a job takes more lines and no more width.
+#[test]
+fn a_job_does_not_widen_its_panel() {
+    let width = |window: &Harness<'static, Dashboard>| window.state().layout.panels["findings"];
+    let mut window = with(View::Diagnosis, 1);
+    let before = width(&window);
+    click(&mut window, "Diagnose");
+    for _ in 0..20 {
+        window.run_steps(1);
+        std::thread::sleep(Duration::from_millis(5));
+        assert!((width(&window) - before).abs() < 2.0, "{} after {before}", width(&window));
+    }
+    click(&mut window, "Cancel");
+}
+
+/// With more plots than the window has room for, the time axis is in sight at every place of the page.
+#[test]
+fn the_time_axis_stays_in_sight() {
+    let mut window = with(View::Time, 1);
+    window.get_by_label("Chart torque_out, N m");
+    assert!(window.query_by_label("Axis time, s").is_none(), "plots that fit have their own axis");
+    window.set_size([800.0, 420.0].into());
+    window.run_steps(4);
+    let axis = inside(&window, "Axis time, s");
+    assert!(axis.bottom() <= 420.0 && axis.top() > 300.0, "{axis:?}");
+}
+
+#[test]
+fn a_recording_that_was_closed_is_opened_again_by_undo() {
+    let mut window = with(View::Time, 3);
+    click(&mut window, "Close multisine-1.mcap");
+    assert_eq!(window.state().workspace.entries.len(), 2);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    window.run_steps(3);
+    let names: Vec<_> =
+        window.state().workspace.entries.iter().map(|own| own.recording.about.name.clone()).collect();
+    assert_eq!(names, ["runs/multisine-0.mcap", "runs/multisine-1.mcap", "runs/multisine-2.mcap"]);
+}
+
+/// Values that are missing are counted apart from gaps.
+#[test]
+fn missing_values_are_counted_and_are_no_gaps() {
+    let mut dashboard = Dashboard::default();
+    let time_s: Vec<f64> = (0..1000).map(|row| f64::from(row) * 1e-3).collect();
+    let hole = |row: usize| if (400..411).contains(&row) { f64::NAN } else { (row as f64).sin() };
+    let column: Vec<f64> = (0..1000).map(hole).collect();
+    dashboard.add_recording(sample::of("holes.csv", time_s, vec![column]));
+    let window = window(dashboard);
+    window.get_by_label_contains("11 missing values");
+    assert!(window.query_by_label_contains("gap").is_none());
 }

@@ -86,6 +86,18 @@ fn a_watch_has_the_settings_and_the_alarms_of_its_command() {
     window.run_steps(2);
     assert_eq!(window.state().views.watch.alarms(), watched.alarms);
     window.get_by_label_contains("thresholds for 0.2 false alarms per hour");
+
+    // What is over is shown around its first alarm, in the frame too, and leads to a diagnosis of what came after it.
+    window.get_by_label("around alarm 1");
+    let alarms = socam_plot::words::counted(watched.alarms.len(), "alarm", "alarms");
+    window.get_by_label(&format!("Watch: {alarms}"));
+    window.get_by_label("Diagnose from here").scroll_to_me();
+    window.run_steps(3);
+    click(&mut window, "Diagnose from here");
+    until(&mut window, "the part", |window| !window.state().is_busy());
+    assert_eq!(window.state().layout.view, View::Diagnosis);
+    let part = window.state().workspace.entries.last().unwrap().recording.about.name.clone();
+    assert!(part.starts_with(&format!("{run}@")) && part.contains(".."), "{part}");
 }
 
 #[test]

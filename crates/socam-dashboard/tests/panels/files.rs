@@ -114,7 +114,7 @@ fn the_input_signal_is_cut_copied_and_pasted_by_menu_and_by_key() {
     let mut window = with(View::Time, 0);
     let before = window.state().workspace.signal.settings.clone();
     click(&mut window, "Input Signal");
-    click(&mut window, "Constant");
+    click(&mut window, "constant");
     let constant = window.state().workspace.signal.text();
     let copied = |window: &Harness<'static, Dashboard>| {
         window.output().platform_output.commands.iter().find_map(|command| match command {
@@ -190,4 +190,32 @@ fn recent_files_are_offered_and_those_that_are_gone_are_grey() {
     window.run_steps(3);
     until(&mut window, "a file", |window| !window.state().is_busy());
     assert_eq!(window.state().workspace.entries.len(), 3);
+}
+
+/// From a table without units to channels with units, by clicks; the file stays as it is.
+#[test]
+fn a_table_without_units_is_drawn_and_then_given_units() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("lab.csv");
+    let rows: String = (0..200).map(|row| format!("{},{}\n", 0.01 * f64::from(row), row % 7)).collect();
+    std::fs::write(&path, format!("time,Motor Speed\n{rows}")).unwrap();
+    let mut window = window(Dashboard::default());
+    window.get_by_label("Try the virtual bench");
+    window.state_mut().open([path.display().to_string()]);
+    until(&mut window, "a table", |window| !window.state().is_busy());
+    window.run_steps(3);
+    assert_eq!(window.state().problems().count(), 0);
+    let unit = |window: &Harness<'static, Dashboard>| {
+        window.state().workspace.entries[0].recording.about.channels[0].unit.symbol()
+    };
+    assert_eq!(unit(&window), "1");
+    window.get_by_label_contains("drawn as plain numbers");
+    click(&mut window, "Set units...");
+    click(&mut window, "Take rpm for Motor Speed");
+    click(&mut window, "Open with these");
+    until(&mut window, "the table again", |window| !window.state().is_busy());
+    window.run_steps(3);
+    assert_eq!(window.state().workspace.entries.len(), 1);
+    assert_eq!(unit(&window), "rad/s");
+    assert!(folder.path().join("lab.csv.map.toml").is_file());
 }

@@ -42,7 +42,7 @@ pub(super) fn mapping(path: &Path, draft: &Draft) -> String {
     text
 }
 
-fn lines(text: &mut String, layout: &TextLayout) {
+pub(super) fn lines(text: &mut String, layout: &TextLayout) {
     let separator = match layout.separator {
         b'\t' => "tab".to_owned(),
         b' ' => "space".to_owned(),
@@ -131,6 +131,6 @@ fn comment(text: &str) -> String {
 }
 
 /// A string of TOML.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }

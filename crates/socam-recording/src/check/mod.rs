@@ -145,8 +145,14 @@ fn about_the_rows(data: &Dataset) -> Vec<Finding> {
     if count > 0 {
         findings.push(Finding::Gaps { count, total_s, longest_s });
     }
-    if data.lost_samples() > 0 {
-        findings.push(Finding::LostSamples { samples: data.lost_samples() });
+    // Samples in damaged parts were recorded.
+    let samples = if data.warnings().iter().any(Warning::is_damage) {
+        data.warnings().iter().map(Warning::lost_samples).sum()
+    } else {
+        data.lost_samples()
+    };
+    if samples > 0 {
+        findings.push(Finding::LostSamples { samples });
     }
     for warning in data.warnings() {
         match warning {

@@ -22,13 +22,16 @@ impl Finding {
                 available.join(", ")
             ),
             Self::TooShort { rows, needed } => {
-                format!("only {rows} rows; dynamics need at least {needed}")
+                format!("only {}; dynamics need at least {needed}", counted(*rows, "row"))
             }
             Self::Gaps { count, total_s, longest_s } => {
-                format!("{count} gaps, {total_s:.4} s in all, the longest {longest_s:.4} s")
+                format!("{}, {total_s:.4} s in all, the longest {longest_s:.4} s", counted(*count, "gap"))
             }
             Self::LostSamples { samples } => {
-                format!("{samples} samples were lost while recording")
+                format!(
+                    "{} lost while recording",
+                    if *samples == 1 { "1 sample was".into() } else { format!("{samples} samples were") }
+                )
             }
             Self::CutOff { missing } => format!("the recording is cut off: missing is {missing}"),
             Self::Damaged { byte, bytes } => {
@@ -199,6 +202,10 @@ fn excite(resonances: &[Resonance], highest_hz: f64) -> String {
 }
 
 /// "a, b and c".
+fn counted(count: u64, one: &str) -> String {
+    if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
+}
+
 fn listed(items: impl Iterator<Item = String>) -> String {
     let items: Vec<String> = items.collect();
     match items.split_last() {

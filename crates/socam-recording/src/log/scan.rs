@@ -261,9 +261,7 @@ impl LogScan {
     pub(crate) fn finish(self) -> (LogLayout, EndOfRows) {
         let damage = self.damage();
         let mut warnings = self.decoder.warnings;
-        if self.order.lost > 0 {
-            warnings.push(Warning::LostSamples { samples: self.order.lost });
-        }
+        warnings.extend(absent(self.order.lost, !damage.is_empty(), self.decoder.counts));
         // Sequence numbers do not show what is missing at the end.
         let [written, lost] = self.decoder.counts.unwrap_or_default();
         let unread = written.saturating_sub(self.rows);
@@ -286,5 +284,30 @@ impl LogScan {
         warnings.extend(cut.iter().map(|cut| Warning::CutOff { missing: cut.missing.clone() }));
         let end = EndOfRows { unusable: Vec::new(), warnings, lost_samples, cut, contents: Some(contents) };
         (self.decoder.layout.unwrap_or_default(), end)
+    }
+}
+
+/// What became of the samples that are absent by their sequence numbers. Those in damaged parts were recorded: only the log's summary, of
+/// samples written and lost, tells how many were not.
+fn absent(samples: u64, is_damaged: bool, counts: Option<[u64; 2]>) -> Option<Warning> {
+    let lost = match counts {
+        Some([_, lost]) if is_damaged => lost.min(samples),
+        None if is_damaged && samples > 0 => return Some(Warning::AbsentSamples { samples }),
+        _ => samples,
+    };
+    (lost > 0).then_some(Warning::LostSamples { samples: lost })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_of_a_damaged_log_were_not_lost_while_recording() {
+        assert_eq!(absent(0, true, None), None);
+        assert_eq!(absent(500, false, Some([9500, 500])), Some(Warning::LostSamples { samples: 500 }));
+        assert_eq!(absent(500, true, Some([10_000, 0])), None);
+        assert_eq!(absent(500, true, Some([9990, 10])), Some(Warning::LostSamples { samples: 10 }));
+        assert_eq!(absent(500, true, None), Some(Warning::AbsentSamples { samples: 500 }));
     }
 }

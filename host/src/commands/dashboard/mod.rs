@@ -178,6 +178,9 @@ fn dashboard(args: &Args, layout: Layout, calibration: Option<Calibration>) -> a
     let (files, held_out) = (output::expanded(&args.files)?, output::expanded(&args.holdout)?);
     let others = held_out.iter().filter(|run| !files.contains(run));
     dashboard.open(files.iter().chain(others).cloned());
+    if let Some(view) = args.view {
+        dashboard.show_first(view);
+    }
     if let Some(model) = &args.watch {
         dashboard.use_model(socam_job::load_model(model)?);
         dashboard.watch();
@@ -205,13 +208,18 @@ fn draw(
         dashboard.layout.view = view;
         image = picture(dashboard, viewport, PATIENCE).map_err(|e| anyhow!(e))?;
     }
-    if let Some(problem) = dashboard.problems().next() {
-        anyhow::bail!("{problem}");
+    let problem = dashboard.problems().next();
+    // One file of several that cannot be opened does not cost the picture of the others.
+    if problem.is_none() || !dashboard.workspace.entries.is_empty() {
+        let bytes = socam_chart::raster::png(&image).map_err(|e| anyhow!(e))?;
+        let mut file = output::create(target)?;
+        std::io::Write::write_all(&mut file, &bytes)?;
+        file.commit()?;
     }
-    let bytes = socam_chart::raster::png(&image).map_err(|e| anyhow!(e))?;
-    let mut file = output::create(target)?;
-    std::io::Write::write_all(&mut file, &bytes)?;
-    Ok(file.commit()?)
+    match problem {
+        Some(problem) => anyhow::bail!("{problem}"),
+        None => Ok(()),
+    }
 }
 
 fn view(text: &str) -> Result<View, String> {

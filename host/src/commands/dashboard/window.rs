@@ -34,8 +34,7 @@ impl eframe::App for Window {
             }
         }
         self.dashboard.ui(ui);
-        // The state of the bench is seen in the list of windows, too.
-        let title = format!("socam: {}", self.dashboard.workspace.bench.state_text());
+        let title = self.dashboard.title();
         if title != self.title {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
             self.title = title;

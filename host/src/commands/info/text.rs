@@ -76,6 +76,7 @@ impl Info {
         match self.gaps.len() {
             0 if self.duration_s.is_some() => writeln!(out, "  no gaps")?,
             0 => {}
+            1 => writeln!(out, "  1 gap:")?,
             count => writeln!(out, "  {count} gaps:")?,
         }
         for gap in self.gaps.iter().take(10) {
@@ -85,7 +86,7 @@ impl Info {
             writeln!(out, "    and {} more (all with --json)", self.gaps.len() - 10)?;
         }
         if let Some(lost) = self.lost_samples {
-            writeln!(out, "  {lost} samples lost while recording")?;
+            writeln!(out, "  {lost} samples missing: lost while recording, or in damaged parts")?;
         }
         if let Some(cut) = &self.cut {
             writeln!(

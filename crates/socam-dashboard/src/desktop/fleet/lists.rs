@@ -66,7 +66,7 @@ impl Fleet {
             text("machine", 120.0),
             text("parameter", 130.0),
             number("value", 80.0),
-            number("sisters' median", 96.0),
+            number("median of sisters", 104.0),
             number("their spread", 84.0),
             text("unit", 80.0),
             number("deviations", 72.0),

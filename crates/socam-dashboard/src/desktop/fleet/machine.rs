@@ -105,7 +105,11 @@ impl Fleet {
         }
         for (count, one, several) in [
             (line.changes, "parameter changes over the dates", "parameters change over the dates"),
-            (line.differs, "parameter differs from its sisters'", "parameters differ from its sisters'"),
+            (
+                line.differs,
+                "parameter differs from that of its sisters",
+                "parameters differ from those of its sisters",
+            ),
         ] {
             if count > 0 {
                 says.push(words::counted(u64::from(count), one, several));
@@ -162,7 +166,8 @@ impl Fleet {
             let trend = summary.trends.iter().find(|one| is(&one.machine, &one.parameter));
             let different = summary.differences.iter().find(|one| is(&one.machine, &one.parameter));
             let trend = trend.map(|one| format!("changes by {} in all", percent(one.change)));
-            let differs = different.map(|one| format!("{} deviations from its sisters", signed(one.z)));
+            let differs =
+                different.map(|one| format!("{} standard deviations from its sisters", signed(one.z)));
             (trend, differs)
         };
         let mut all: Vec<_> =
@@ -170,7 +175,14 @@ impl Fleet {
         if all.is_empty() {
             return;
         }
-        all.sort_by_key(|(_, _, (trend, differs))| (trend.is_none(), differs.is_none()));
+        // What no recording determines comes last.
+        let determines = |row: &Row, name: &str| {
+            row.parameters.iter().any(|own| own.name == name && own.determined && own.value.is_some())
+        };
+        let is_determined = |name: &str| self.page.rows.iter().any(|row| determines(row, name));
+        all.sort_by_key(|(name, _, (trend, differs))| {
+            (trend.is_none(), differs.is_none(), !is_determined(name))
+        });
         ui.add_space(6.0);
         let others = survey.machines.len() > 1;
         let text = if others {

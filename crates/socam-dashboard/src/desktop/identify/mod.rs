@@ -44,7 +44,7 @@ impl ViewPanel for Identify {
                     self.pictures.ui(ui, &found.predictions, seen);
                 });
             }
-            self.page.contents(ui, EMPTY);
+            self.page.contents(ui, workspace, EMPTY);
         });
     }
 
@@ -87,6 +87,10 @@ impl ViewPanel for Identify {
             (
                 "Save model file...; Save as JSON...",
                 "the model with what was found, and the result for scripts",
+            ),
+            (
+                "Go to Diagnosis",
+                "the model leaves something out, which its parameters have taken up: a diagnosis says what and where",
             ),
             (
                 "signals; residuals; predicted recording",

@@ -8,6 +8,7 @@ use socam_identify::{
 use socam_model::Model;
 use socam_recording::{Dataset, Segment};
 
+use socam_chart::beside::{self, measured, predicted};
 use socam_chart::chart::{Chart, Curve, Seen, Style, range_of, with_room};
 use socam_chart::theme;
 use socam_samples::{Samples, envelope};
@@ -114,9 +115,9 @@ impl Pictures {
             choice
                 .response
                 .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "predicted recording"));
-            let words: [(&str, _); 2] = [("measured", theme::weak(ui)), ("predicted", theme::good(ui))];
-            for (word, colour) in words.into_iter().filter(|_| !self.are_residuals) {
-                ui.label(egui::RichText::new(word).small().color(colour));
+            if !self.are_residuals {
+                beside::legend(ui, "measured", beside::ink(ui), Style::Thin);
+                beside::legend(ui, "predicted", theme::good(ui), Style::Broad);
             }
         });
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -139,14 +140,14 @@ impl Pictures {
         }
         let whole = shown.samples.span_s().map_or([0.0, 1.0], with_room);
         chart.x = self.span_s.unwrap_or(whole);
-        let columns: &[(usize, &str)] =
-            if self.are_residuals { &[(2, "residual")] } else { &[(0, "measured"), (1, "predicted")] };
-        for (column, word) in columns {
-            let colour = if *column == 1 { theme::good(ui) } else { theme::weak(ui) };
-            let colour = if *column == 2 { theme::alarm(ui) } else { colour };
-            let line = envelope(&shown.samples, 3 * index + column, chart.x[0], chart.x[1], width as usize);
-            chart.curves.push(Curve { name: (*word).into(), colour, parts: line.parts, style: Style::Solid });
-        }
+        let [from, to] = chart.x;
+        let line = |column| envelope(&shown.samples, 3 * index + column, from, to, width as usize).parts;
+        chart.curves = if self.are_residuals {
+            let (name, colour) = ("residual".into(), theme::alarm(ui));
+            vec![Curve { name, colour, parts: line(2), style: Style::Solid }]
+        } else {
+            vec![predicted("predicted", theme::good(ui), line(1)), measured(ui, line(0))]
+        };
         let values = chart.curves.iter().flat_map(|curve| curve.parts.iter().flatten().map(|point| point[1]));
         chart.y = chart.fitted(range_of(values));
         let drawn = chart.show(ui, seen);

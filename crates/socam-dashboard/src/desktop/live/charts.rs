@@ -4,10 +4,13 @@ use egui::{Label, RichText, Ui, vec2};
 
 use super::Live;
 use super::readings::{self, Reading};
-use socam_chart::chart::{self, Chart, Curve, Flag, Seen, Style, range_of};
+use socam_chart::chart::{self, Chart, Curve, Flag, Scale, Seen, Style, range_of};
 use socam_chart::theme;
 use socam_workbench::about::Happening;
 use socam_workbench::connection::{Connection, Link};
+
+/// Label of the horizontal axis.
+const TIME: &str = "time since the link was opened, s";
 
 impl Live {
     /// Draws the charts.
@@ -33,9 +36,15 @@ impl Live {
         // Until the window is full, samples begin at its left edge.
         let from_s = (self.shown(bench).end_s() - self.window_s).max(0.0);
         ui.spacing_mut().item_spacing.y = 3.0;
-        egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            self.rows(ui, bench, ([from_s, from_s + self.window_s], height), &readings, seen);
-        });
+        let x = [from_s, from_s + self.window_s];
+        let room = ui.available_height();
+        let is_scrolled = (height + 3.0) * channels + chart::X_AXIS > room + 1.0;
+        let part = if is_scrolled { room - chart::X_AXIS } else { room };
+        let charts = egui::ScrollArea::vertical().auto_shrink(false).max_height(part);
+        let columns = charts.show(ui, |ui| self.rows(ui, bench, (x, height), &readings, seen)).inner;
+        if is_scrolled {
+            chart::ruler(ui, &columns, x, Scale::Linear, TIME);
+        }
     }
 
     /// A chart and the numbers of each channel, one below the other.
@@ -46,7 +55,8 @@ impl Live {
         (x, height): ([f64; 2], f32),
         readings: &[Reading],
         seen: &mut Vec<Seen>,
-    ) {
+    ) -> Vec<egui::Rangef> {
+        let mut columns = Vec::new();
         let buffer = self.shown(bench);
         let beside = readings::width(ui.available_width());
         let width = ui.available_width() - beside - ui.spacing().item_spacing.x;
@@ -59,19 +69,29 @@ impl Live {
             let mut drawing =
                 Chart::new(("live", index), format!("{}, {}", channel.name, channel.unit), size);
             drawing.x = x;
-            drawing.x_label =
-                if is_last { "time since the link was opened, s".into() } else { String::new() };
-            drawing.y = drawing.fitted(range_of(parts.iter().flatten().map(|point| point[1])));
+            drawing.x_label = if is_last { TIME.into() } else { String::new() };
+            let range = range_of(parts.iter().flatten().map(|point| point[1]));
+            let (range, has_limit) = with_limit(range, reading.limit);
+            drawing.y = drawing.fitted(range);
             drawing.flags.clone_from(&flags);
             drawing.flag_words = is_last;
             drawing.shaded.clone_from(&gaps);
             let name = channel.name.clone();
             drawing.curves = vec![Curve { name, colour: theme::line(ui, index), parts, style: Style::Solid }];
+            if let Some(limit) = reading.limit.filter(|_| has_limit) {
+                drawing.curves.push(Curve {
+                    name: "limit at which the board stops".into(),
+                    colour: theme::alarm(ui),
+                    parts: [-limit, limit].map(|level| x.map(|x| [x, level]).to_vec()).to_vec(),
+                    style: Style::Dashed,
+                });
+            }
             ui.horizontal_top(|ui| {
-                drawing.show(ui, seen);
+                columns.push(drawing.show(ui, seen).frame.x_range());
                 readings::draw(ui, channel, reading, vec2(beside, height));
             });
         }
+        columns
     }
 
     /// Draws the controls of the charts, and the number of samples that were lost.
@@ -122,7 +142,36 @@ fn flags(ui: &Ui, bench: &Connection, x: [f64; 2]) -> Vec<Flag> {
             "start" => event.text.clone(),
             kind => format!("{kind}: {}", event.text),
         };
-        Flag { x: event.time_s, text, colour }
+        Flag::new(event.time_s, text, colour)
     };
     visible.map(flag).collect()
+}
+
+/// Share of a limit that a chart spans at least: noise of a bench at rest is not enlarged to fill it.
+const LEAST_SPAN: f64 = 0.02;
+/// Share of a limit from which on it is drawn.
+const NEAR: f64 = 0.6;
+
+/// The range of a chart with a limit, and whether the lines of the limit are in it.
+fn with_limit(range: Option<[f64; 2]>, limit: Option<f64>) -> (Option<[f64; 2]>, bool) {
+    let (Some([low, high]), Some(limit)) = (range, limit) else { return (range, false) };
+    if low.abs().max(high.abs()) > NEAR * limit {
+        return (Some([low.min(-limit), high.max(limit)]), true);
+    }
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low).max(LEAST_SPAN * limit));
+    (Some([middle - half, middle + half]), false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_at_rest_stays_small_and_a_limit_is_drawn_when_it_is_near() {
+        let (range, has_limit) = with_limit(Some([-0.01, 0.03]), Some(100.0));
+        assert_eq!((range, has_limit), (Some([-0.99, 1.01]), false));
+        assert_eq!(with_limit(Some([-10.0, 70.0]), Some(100.0)), (Some([-100.0, 100.0]), true));
+        assert_eq!(with_limit(Some([-10.0, 50.0]), Some(100.0)), (Some([-10.0, 50.0]), false));
+        assert_eq!(with_limit(Some([-1.0, 1.0]), None), (Some([-1.0, 1.0]), false));
+    }
 }

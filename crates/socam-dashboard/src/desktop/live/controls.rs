@@ -4,7 +4,7 @@ use egui::{
     Button, ComboBox, DragValue, Frame, Margin, RichText, Role, ScrollArea, Slider, TextEdit, Ui, WidgetInfo,
     vec2,
 };
-use socam_core::State;
+use socam_core::{Command, State};
 use socam_recording::ProfileFile;
 
 use socam_chart::chart::{Chart, Curve, Flag, Style, range_of};
@@ -133,7 +133,7 @@ fn input_signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Acti
             });
             answer.response.labelled_by(label.id);
         });
-        match &settings.kind {
+        match &mut settings.kind {
             SignalShape::Sine => {
                 let room = LIMIT_V - settings.amplitude_v;
                 slider(ui, "Amplitude", &mut settings.amplitude_v, AMPLITUDE_V, "V");
@@ -143,18 +143,12 @@ fn input_signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Acti
             SignalShape::Constant => slider(ui, "Level", &mut settings.level_v, [-LIMIT_V, LIMIT_V], "V"),
             SignalShape::Other(_, file) => {
                 let purpose = file.purpose.clone().unwrap_or_else(|| "an opened profile".into());
-                ui.label(RichText::new(format!("{purpose}; {} s", file.duration_s)).small());
+                ui.add(egui::Label::new(RichText::new(purpose).small()).wrap());
+                profile(ui, file);
             }
         }
         if !matches!(settings.kind, SignalShape::Other(..)) {
-            ui.horizontal(|ui| {
-                let label = ui.label("Duration");
-                let drag = DragValue::new(&mut settings.duration_s)
-                    .speed(0.1)
-                    .suffix(" s")
-                    .range(DURATION_S[0]..=DURATION_S[1]);
-                ui.add(drag).labelled_by(label.id);
-            });
+            duration(ui, &mut settings.duration_s);
         }
     });
     if let Some(note) = &signal.note {
@@ -162,6 +156,27 @@ fn input_signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Acti
     }
     let changed = (settings != signal.settings).then_some(Action::Change(settings));
     chosen.map(Action::Load).or(changed)
+}
+
+/// Amplitude and duration of a profile.
+fn profile(ui: &mut Ui, file: &mut ProfileFile) {
+    let unit = if file.command == Command::Voltage { "V" } else { "rad/s" };
+    if let Some((mut amplitude, most)) = input_signal::amplitude(file).filter(|(_, most)| *most > 0.0) {
+        let before = amplitude;
+        slider(ui, "Amplitude", &mut amplitude, [0.0, most], unit);
+        if amplitude != before {
+            input_signal::set_amplitude(file, amplitude);
+        }
+    }
+    duration(ui, &mut file.duration_s);
+}
+
+fn duration(ui: &mut Ui, duration_s: &mut f64) {
+    ui.horizontal(|ui| {
+        let label = ui.label("Duration");
+        let drag = DragValue::new(duration_s).speed(0.1).suffix(" s").range(DURATION_S[0]..=DURATION_S[1]);
+        ui.add(drag).labelled_by(label.id);
+    });
 }
 
 fn slider(ui: &mut Ui, name: &str, value: &mut f64, [low, high]: [f64; 2], unit: &str) {
@@ -188,7 +203,7 @@ fn preview(ui: &mut Ui, bench: &Connection, line: &[[f64; 2]]) {
     chart.curves = vec![Curve { name, colour, parts: vec![line.to_vec()], style: Style::Solid }];
     if let Some(run) = bench.last_run().filter(|run| run.is_recorded()) {
         let colour = ui.visuals().strong_text_color();
-        chart.flags = vec![Flag { x: run.elapsed_s(), text: String::new(), colour }];
+        chart.flags = vec![Flag::new(run.elapsed_s(), "", colour)];
     }
     chart.show(ui, &mut Vec::new());
 }

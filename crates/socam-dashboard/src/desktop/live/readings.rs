@@ -52,7 +52,7 @@ pub(super) fn width(room: f32) -> f32 {
 pub(super) fn draw(ui: &mut Ui, channel: &socam_recording::Channel, reading: &Reading, size: egui::Vec2) {
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let decimals = decimals(reading);
-    let number = |value: f32| format!("{value:.decimals$}");
+    let number = |value: f32| rounded(value, decimals);
     let value = if reading.value.is_finite() { number(reading.value) } else { "none".into() };
     let unit = channel.unit.to_string();
     let is_wide = size.x > 150.0;
@@ -82,6 +82,15 @@ pub(super) fn draw(ui: &mut Ui, channel: &socam_recording::Channel, reading: &Re
     response.on_hover_text(why).widget_info(|| WidgetInfo::labeled(Role::Label, true, said.clone()));
 }
 
+/// A number of so many decimals; zero has no sign.
+fn rounded(value: f32, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|digit| matches!(digit, '0' | '.')) => rest.to_owned(),
+        _ => text,
+    }
+}
+
 /// Number of decimals: four digits of the limit, or of the largest value where there is none, so that the width does not change with each sample.
 fn decimals(reading: &Reading) -> usize {
     let largest = reading.extremes.map_or(0.0, |[low, high]| f64::from(low.abs().max(high.abs())));
@@ -92,6 +101,11 @@ fn decimals(reading: &Reading) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn zero_has_no_sign() {
+        assert_eq!([rounded(-0.004, 2), rounded(-0.0, 1), rounded(-0.006, 2)], ["0.00", "0.0", "-0.01"]);
+    }
 
     #[test]
     fn four_digits_are_shown_at_the_limit() {

@@ -2,26 +2,75 @@
 
 use egui::{RichText, Ui};
 use socam_findings::words;
-use socam_monitoring::{Alarm, Cause, Overlay, Phase, Verdict};
+use socam_monitoring::{Alarm, Cause, Judgement, Overlay, Phase, Verdict};
 
 use socam_chart::theme;
+use socam_plot::words::counted;
+use socam_workbench::watch::{Tone, WatchState};
 
 /// Largest number of causes in the list.
 const CAUSES: usize = 6;
 
-/// Draws the phase of the monitoring and the amount of healthy data in its baseline.
-pub(super) fn state(ui: &mut Ui, overlay: &Overlay, name: &str) {
-    let (text, colour) = match overlay.phase {
-        Phase::Learning { collected_s, needed_s } => {
-            (format!("learning what is usual: {collected_s:.1} of {needed_s:.0} s"), theme::weak(ui))
-        }
-        Phase::Watching if overlay.judged == 0 && overlay.alarms.is_empty() => {
-            (format!("nothing of {name} was judged yet"), theme::weak(ui))
-        }
-        Phase::Watching => (format!("{name} behaves as usual"), theme::good(ui)),
-        Phase::Alarmed => (format!("{name} has changed"), theme::alarm(ui)),
+/// What is said about the health of what is watched, and how it is coloured.
+fn judgement(overlay: &Overlay, name: &str) -> (String, Tone) {
+    let all = overlay.judged + overlay.not_judged;
+    let share = if overlay.not_judged == 0 {
+        String::new()
+    } else {
+        format!(" in {} of {all} blocks; the others were not judged", overlay.judged)
     };
-    ui.label(RichText::new(text).size(15.0).strong().color(colour));
+    match overlay.judgement() {
+        Judgement::Learning => match overlay.phase {
+            Phase::Learning { collected_s, needed_s } => {
+                (format!("learning what is usual: {collected_s:.1} of {needed_s:.0} s"), Tone::Quiet)
+            }
+            Phase::Watching | Phase::Alarmed => ("learning what is usual".into(), Tone::Quiet),
+        },
+        Judgement::NotJudged if all == 0 => (format!("{name}: nothing was judged yet"), Tone::Quiet),
+        Judgement::NotJudged => {
+            (format!("{name}: not judged, none of {}", counted(all, "block", "blocks")), Tone::Quiet)
+        }
+        Judgement::NotJudgedNow => {
+            (format!("{name}: not judged at present; as usual before{share}"), Tone::Quiet)
+        }
+        Judgement::AsUsual if overlay.alarms.is_empty() => {
+            (format!("{name} behaves as usual{share}"), Tone::Good)
+        }
+        Judgement::AsUsual => (
+            format!("{name} is back to usual after {}", counted(overlay.alarms.len(), "alarm", "alarms")),
+            Tone::Good,
+        ),
+        Judgement::Changed => (format!("{name} has changed"), Tone::Alarm),
+    }
+}
+
+/// The same in a few words, for all views and the title of the window.
+pub(super) fn summary(overlay: &Overlay) -> WatchState {
+    let (text, tone) = match (overlay.judgement(), overlay.alarms.len()) {
+        (_, alarms) if alarms > 0 => (counted(alarms, "alarm", "alarms"), Tone::Alarm),
+        (Judgement::Learning, _) => ("learning".into(), Tone::Quiet),
+        (Judgement::AsUsual, _) => ("as usual".into(), Tone::Good),
+        _ => ("not judged".into(), Tone::Quiet),
+    };
+    WatchState { text, tone }
+}
+
+/// Draws the judgement and the amount of healthy data in its baseline.
+pub(super) fn state(ui: &mut Ui, overlay: &Overlay, name: &str) {
+    let (text, tone) = judgement(overlay, name);
+    let colour = match tone {
+        Tone::Quiet => theme::body(ui),
+        Tone::Good => theme::good(ui),
+        Tone::Alarm => theme::alarm(ui),
+    };
+    ui.add(egui::Label::new(RichText::new(text).size(15.0).strong().color(colour)).wrap());
+    if overlay.not_judged > 0 {
+        let text = format!(
+            "{} not judged: more or less motion than in the healthy bench, or gaps. Take a healthy recording of the same motion, or a longer one.",
+            counted(overlay.not_judged, "block was", "blocks were")
+        );
+        ui.add(egui::Label::new(RichText::new(text).color(theme::alarm(ui))).wrap());
+    }
     if let Some(baseline) = &overlay.baseline {
         let text = format!(
             "{} statistics; usual is what {:.0} s of the healthy bench show; thresholds for {} false alarms per hour",
@@ -36,18 +85,12 @@ pub(super) fn state(ui: &mut Ui, overlay: &Overlay, name: &str) {
             ui.label(RichText::new(text).small().color(theme::alarm(ui)));
         }
     }
-    if overlay.not_judged > 0 {
-        let text = format!(
-            "{} blocks were not judged: more or less motion than in the healthy bench, or gaps",
-            overlay.not_judged
-        );
-        ui.label(RichText::new(text).small().color(theme::weak(ui)));
-    }
 }
 
 /// All alarms, the last one first.
 pub(super) fn list(ui: &mut Ui, overlay: &Overlay, selected: &mut Option<usize>) {
-    if overlay.alarms.is_empty() {
+    // That there is no alarm says nothing where nothing was judged.
+    if overlay.alarms.is_empty() && overlay.judged > 0 {
         ui.label(RichText::new("no alarm").color(theme::weak(ui)));
     }
     for alarm in overlay.alarms.iter().rev() {
@@ -107,4 +150,43 @@ pub(super) fn sentence(alarm: &Alarm) -> String {
         alarm.symptom,
         alarm.size_sigma
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use socam_monitoring::BlockSignals;
+
+    use super::*;
+
+    fn overlay(judged: usize, not_judged: usize, tests: Vec<f64>) -> Overlay {
+        let (time_s, measured, model, innovations) = (vec![0.0], Vec::new(), Vec::new(), Vec::new());
+        Overlay {
+            phase: Phase::Watching,
+            channels: Arc::default(),
+            statistics: Arc::default(),
+            blocks: vec![Arc::new(BlockSignals { time_s, measured, model, innovations, tests })],
+            alarms: Vec::new(),
+            baseline: None,
+            judged,
+            not_judged,
+        }
+    }
+
+    /// Only blocks that were judged say that a bench is as usual.
+    #[test]
+    fn what_was_not_judged_is_not_called_usual() {
+        let (text, tone) = judgement(&overlay(0, 80, Vec::new()), "run.mcap");
+        assert_eq!((text.as_str(), tone), ("run.mcap: not judged, none of 80 blocks", Tone::Quiet));
+        assert_eq!(summary(&overlay(0, 80, Vec::new())).text, "not judged");
+        let resting = overlay(5, 80, Vec::new());
+        assert!(judgement(&resting, "run.mcap").0.starts_with("run.mcap: not judged at present"));
+        assert_eq!(summary(&resting), WatchState { text: "not judged".into(), tone: Tone::Quiet });
+        let (text, tone) = judgement(&overlay(20, 60, vec![0.2]), "run.mcap");
+        let said = "run.mcap behaves as usual in 20 of 80 blocks; the others were not judged";
+        assert_eq!((text.as_str(), tone), (said, Tone::Good));
+        assert_eq!(judgement(&overlay(80, 0, vec![0.2]), "run.mcap").0, "run.mcap behaves as usual");
+        assert_eq!(summary(&overlay(80, 0, vec![0.2])).text, "as usual");
+    }
 }

@@ -3,6 +3,8 @@
 use egui::{RichText, Ui, vec2};
 use socam_monitoring::{BlockSignals, Overlay, Symptom};
 
+use super::episodes::Episode;
+use socam_chart::beside::{self, measured, predicted};
 use socam_chart::chart::{self, Chart, Curve, Flag, Seen, Style, range_of};
 use socam_chart::theme;
 
@@ -13,8 +15,15 @@ const APART: f64 = 1.5;
 const KINDS: [&str; 3] =
     ["mean of a channel's error", "power of a channel's error", "apparent value of a parameter"];
 
-/// Draws a chart per output, and one of all tests.
-pub(super) fn draw(ui: &mut Ui, overlay: &Overlay, selected: Option<usize>, seen: &mut Vec<Seen>) {
+/// Draws a chart per output, and one of all tests: over the window of the watch, or around the selected alarm.
+pub(super) fn draw(
+    ui: &mut Ui,
+    overlay: &Overlay,
+    (selected, episode): (Option<usize>, Option<&Episode>),
+    seen: &mut Vec<Seen>,
+) {
+    let around = episode.map(|episode| Overlay { blocks: episode.blocks.clone(), ..overlay.clone() });
+    let overlay = around.as_ref().unwrap_or(overlay);
     let ends = overlay.blocks.iter().flat_map(|block| [block.time_s.first(), block.time_s.last()]);
     let Some(x) = range_of(ends.flatten().copied()) else {
         chart::empty_state(
@@ -24,8 +33,12 @@ pub(super) fn draw(ui: &mut Ui, overlay: &Overlay, selected: Option<usize>, seen
         );
         return;
     };
-    let text = "grey: measured; colour, dashed: the model, running freely from the start of each block";
-    ui.label(RichText::new(text).small().color(theme::weak(ui)));
+    let place = match (selected, episode.is_some()) {
+        (Some(number), true) => format!("around alarm {number}"),
+        (Some(number), false) => format!("the last samples (those around alarm {number} are no longer kept)"),
+        (None, _) => "the last samples".to_owned(),
+    };
+    legend(ui, &place);
     let count = overlay.channels.len() + 1;
     let height =
         ((ui.available_height() - chart::X_AXIS - 20.0 - 4.0 * count as f32) / count as f32).max(84.0);
@@ -39,18 +52,8 @@ pub(super) fn draw(ui: &mut Ui, overlay: &Overlay, selected: Option<usize>, seen
             chart.x = x;
             let pixels = size.x as usize;
             chart.curves = vec![
-                Curve {
-                    name: "measured".into(),
-                    colour: theme::weak(ui),
-                    parts: parts(overlay, pixels, |block| &block.measured[index]),
-                    style: Style::Solid,
-                },
-                Curve {
-                    name: "model".into(),
-                    colour: theme::line(ui, index),
-                    parts: parts(overlay, pixels, |block| &block.model[index]),
-                    style: Style::Dashed,
-                },
+                predicted("model", theme::good(ui), parts(overlay, pixels, |block| &block.model[index])),
+                measured(ui, parts(overlay, pixels, |block| &block.measured[index])),
             ];
             let values =
                 chart.curves.iter().flat_map(|curve| curve.parts.iter().flatten().map(|point| point[1]));
@@ -60,6 +63,16 @@ pub(super) fn draw(ui: &mut Ui, overlay: &Overlay, selected: Option<usize>, seen
             chart.show(ui, seen);
         }
         tests(ui, overlay, (x, height), flags, seen);
+    });
+}
+
+/// The lines of the charts, and the part of the time that they show.
+fn legend(ui: &mut Ui, place: &str) {
+    ui.horizontal_wrapped(|ui| {
+        beside::legend(ui, "measured", beside::ink(ui), Style::Thin);
+        let model = "model, running freely from the start of each block";
+        beside::legend(ui, model, theme::good(ui), Style::Broad);
+        ui.label(RichText::new(place).small().strong());
     });
 }
 
@@ -76,10 +89,11 @@ fn tests(
     chart.x = x;
     chart.x_label = "time, s".into();
     chart.when_empty = "nothing was judged yet";
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for (number, name) in KINDS.into_iter().enumerate() {
-            ui.label(RichText::new(name).small().strong().color(theme::line(ui, number)));
+            beside::legend(ui, name, theme::line(ui, number), Style::Solid);
         }
+        beside::legend(ui, "threshold", beside::ink(ui), Style::Dashed);
     });
     for (number, name) in KINDS.into_iter().enumerate() {
         let largest = |block: &BlockSignals| {
@@ -95,7 +109,8 @@ fn tests(
     }
     let threshold = Curve {
         name: "threshold".into(),
-        colour: theme::alarm(ui),
+        // Not a colour of one of the tests.
+        colour: beside::ink(ui),
         parts: vec![x.map(|x| [x, 1.0]).to_vec()],
         style: Style::Dashed,
     };
@@ -122,7 +137,7 @@ fn flags(ui: &Ui, overlay: &Overlay, selected: Option<usize>, x: [f64; 2]) -> Ve
         let colour = theme::alarm(ui).gamma_multiply(if is_selected { 1.0 } else { 0.4 });
         for (at, word) in [(alarm.onset_s, "change"), (alarm.time_s, "alarm")] {
             if (x[0]..=x[1]).contains(&at) {
-                flags.push(Flag { x: at, text: format!("{word} {}", alarm.number), colour });
+                flags.push(Flag::new(at, format!("{word} {}", alarm.number), colour));
             }
         }
     }

@@ -2,6 +2,7 @@
 
 mod alarms;
 mod charts;
+mod episodes;
 mod session;
 
 use egui::{Button, ComboBox, RichText, ScrollArea, Ui};
@@ -13,12 +14,14 @@ use super::fitting::{command, setup};
 use crate::layout;
 use crate::progress::wake;
 use crate::view::{Help, ViewPanel};
+use episodes::Episodes;
 use session::{Session, Source};
 use socam_chart::chart::{self, Seen};
 use socam_chart::theme;
 use socam_workbench::View;
 use socam_workbench::job::CANCELLED;
 use socam_workbench::recording::{Recording, short};
+use socam_workbench::setup::Role;
 use socam_workbench::{Request, Workspace};
 
 /// Speeds of a replay, as multiples of the recording's own; `None` is as fast as possible.
@@ -57,6 +60,10 @@ pub struct WatchView {
     session: Option<Session>,
     /// The last snapshot, kept after the watch has ended.
     overlay: Option<Overlay>,
+    /// The samples around the alarms.
+    episodes: Episodes,
+    /// Name of the model that ran beside it.
+    model: String,
     /// Name of what was watched.
     name: String,
     problem: Option<String>,
@@ -77,13 +84,20 @@ impl ViewPanel for WatchView {
                 if let Some(overlay) = &self.overlay {
                     ui.separator();
                     alarms::state(ui, overlay, &self.name);
+                    ui.label(RichText::new(format!("model: {}", self.model)).small().color(theme::weak(ui)));
+                    self.lead_on(ui, workspace);
+                }
+                if let Some(overlay) = &self.overlay {
                     alarms::list(ui, overlay, &mut self.selected);
                 }
             });
         });
         layout::keep_panel(ui, "watch", panel.response.rect.width());
         egui::CentralPanel::default().show(ui, |ui| match &self.overlay {
-            Some(overlay) => charts::draw(ui, overlay, self.selected, seen),
+            Some(overlay) => {
+                let episode = self.selected.and_then(|number| self.episodes.of(number));
+                charts::draw(ui, overlay, (self.selected, episode), seen);
+            }
             None => chart::empty_state(
                 ui,
                 "Nothing is watched yet",
@@ -106,7 +120,13 @@ impl ViewPanel for WatchView {
             }
         }
         self.overlay = session.overlay().or(self.overlay.take());
+        self.episodes = session.episodes();
+        workspace.watch = self.overlay.as_ref().map(alarms::summary);
         let Some(end) = session.end() else { return };
+        // What is over is looked at where it changed first, and not at its end.
+        if !session.is_live && self.selected.is_none() {
+            self.selected = self.alarms().first().map(|alarm| alarm.number);
+        }
         self.session = None;
         self.problem = end.err().filter(|sentence| sentence != CANCELLED);
     }
@@ -132,8 +152,8 @@ impl ViewPanel for WatchView {
                 "of a healthy bench, over all channels; how much of the past is shown, and is searched for a cause; how much is compared with the model at once; how much of the beginning is healthy where no recording is ticked",
             ),
             (
-                "Alarm ...",
-                "marks the alarm in the charts; its causes are those that the score test ranks first",
+                "Alarm ...; Diagnose from here",
+                "draws the samples around the alarm; its causes are those that the score test ranks first; opens the recording from the change on, for a diagnosis",
             ),
         ]
     }
@@ -143,6 +163,25 @@ impl WatchView {
     /// Watches the running bench, or else the first recording, as soon as there is one; other recordings are healthy.
     pub fn begin_when_possible(&mut self) {
         self.begins = true;
+    }
+
+    /// Leads from the selected alarm of a recording to a diagnosis of what came after the change.
+    fn lead_on(&self, ui: &mut Ui, workspace: &mut Workspace) {
+        let alarm = self.alarms().iter().find(|alarm| self.selected == Some(alarm.number));
+        let watched = named_short(workspace, &self.name);
+        let (Some(alarm), Some(recording)) = (alarm, watched) else { return };
+        let Some(run) = since(&recording.about.name, alarm.onset_s, recording.samples.span_s()) else {
+            return;
+        };
+        ui.add_space(6.0);
+        let button = ui.button("Diagnose from here");
+        let why = format!("Opens {run}, what came after the change, and leads to Diagnosis");
+        if button.on_hover_text(why).clicked() {
+            let whole = recording.about.name.clone();
+            workspace.setup.use_as(&whole, Role::Unused);
+            workspace.request(Request::Open(run));
+            workspace.request(Request::Show(View::Diagnosis));
+        }
     }
 
     /// Alarms so far.
@@ -187,6 +226,8 @@ impl WatchView {
         let (model, healthy) = (workspace.model().clone(), self.healthy(workspace));
         let session = source.map(|source| Session::start(&wake(ctx), task, model, source, healthy));
         (self.overlay, self.problem, self.selected) = (None, None, None);
+        self.episodes = Episodes::default();
+        self.model.clone_from(&workspace.model().name);
         self.name = session.as_ref().map_or_else(String::new, |session| short(&session.name).to_owned());
         self.session = session;
     }
@@ -218,14 +259,15 @@ impl WatchView {
             workspace.request(Request::Model(Box::new(model)));
         }
         self.choose_subject(ui, workspace, subject.as_ref());
-        self.choose_healthy(ui, workspace, subject.as_ref());
-        self.form.ui(ui);
+        // The button stands above what grows and shrinks with the choices.
         let task = self.form.settings().cloned();
         let button = Button::new(RichText::new("Watch").strong());
         if ui.add_enabled(task.is_ok(), button).clicked() {
             let ctx = ui.ctx().clone();
             self.start(&ctx, workspace, subject.clone());
         }
+        self.choose_healthy(ui, workspace, subject.as_ref());
+        self.form.ui(ui);
         match (task, subject) {
             (Err(problem), _) => drop(ui.label(RichText::new(problem).color(theme::alarm(ui)))),
             (Ok(mut task), Some(Subject::Recording(name))) => {
@@ -278,24 +320,87 @@ impl WatchView {
         let names = workspace.shown().map(|(_, shown)| shown.about.name.clone());
         let others: Vec<String> = names.filter(|name| !is_watched(name)).collect();
         self.healthy.retain(|name| others.contains(name));
+        if !others.is_empty() {
+            ui.label("Recordings of the healthy bench");
+        }
         for name in others {
             let mut on = self.healthy.contains(&name);
-            if ui.checkbox(&mut on, format!("healthy {}", short(&name))).changed() {
+            let tick = ui.checkbox(&mut on, short(&name));
+            let said = format!("healthy {}", short(&name));
+            tick.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, &said));
+            if tick.changed() {
                 self.healthy.retain(|own| *own != name);
                 self.healthy.extend(on.then_some(name));
             }
         }
         if let (true, Ok(task)) = (self.healthy.is_empty(), self.form.settings()) {
-            let text = format!(
-                "No healthy recording is ticked: the first {} s of what is watched are taken as healthy.",
-                task.watching.settings().learn_s
-            );
-            ui.label(RichText::new(text).small().color(theme::weak(ui)));
+            let length_s = match subject {
+                Some(Subject::Recording(name)) => named(workspace, name).and_then(|own| own.samples.span_s()),
+                _ => None,
+            };
+            let length_s = length_s.map(|[from, to]| to - from);
+            let (text, is_possible) = without_baseline(task.watching.settings().learn_s, length_s);
+            let colour = if is_possible { theme::weak(ui) } else { theme::alarm(ui) };
+            ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
         }
+    }
+}
+
+/// The shown recording whose name without its folder is this one.
+fn named_short<'w>(workspace: &'w Workspace, name: &str) -> Option<&'w Recording> {
+    workspace.shown().map(|(_, shown)| shown).find(|shown| short(&shown.about.name) == name)
+}
+
+/// The part of a recording from a time on, as it is opened; `None` of one that is a part itself, or has ended by then.
+fn since(run: &str, from_s: f64, span_s: Option<[f64; 2]>) -> Option<String> {
+    let [start_s, end_s] = span_s.filter(|[_, end_s]| *end_s > from_s)?;
+    // The change may be estimated to lie before the first sample.
+    let from_s = from_s.max(start_s);
+    (!run.contains('@')).then(|| format!("{run}@{from_s:.3}..{end_s:.3}"))
+}
+
+/// What is taken as healthy where no recording is ticked, and whether that is possible.
+fn without_baseline(learn_s: f64, length_s: Option<f64>) -> (String, bool) {
+    match length_s {
+        Some(length_s) if length_s <= learn_s => (
+            format!(
+                "No healthy recording is ticked, and the recording lasts {length_s:.0} s: its first {learn_s} s cannot be taken as healthy. Tick one, or shorten the baseline."
+            ),
+            false,
+        ),
+        _ => (
+            format!(
+                "No healthy recording is ticked: the first {learn_s} s of what is watched are taken as healthy."
+            ),
+            true,
+        ),
     }
 }
 
 /// The shown recording of that name.
 fn named<'w>(workspace: &'w Workspace, name: &str) -> Option<&'w Recording> {
     workspace.shown().map(|(_, shown)| shown).find(|shown| shown.about.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_part_after_a_change_can_be_opened() {
+        let run = since("runs/a.mcap", 20.5, Some([0.0, 40.0]));
+        assert_eq!(run.as_deref(), Some("runs/a.mcap@20.500..40.000"));
+        assert!(socam_recording::Selection::parse(&run.unwrap()).is_ok());
+        let whole = since("runs/a.mcap", -0.2, Some([0.0, 40.0]));
+        assert_eq!(whole.as_deref(), Some("runs/a.mcap@0.000..40.000"));
+        assert_eq!(since("runs/a.mcap", 41.0, Some([0.0, 40.0])), None);
+        assert_eq!(since("runs/a.mcap@2..40", 20.5, Some([2.0, 40.0])), None);
+    }
+
+    #[test]
+    fn a_recording_that_is_shorter_than_its_baseline_is_said_to_be() {
+        let (text, is_possible) = without_baseline(30.0, Some(10.0));
+        assert!(!is_possible && text.contains("the recording lasts 10 s"), "{text}");
+        assert!(without_baseline(30.0, Some(40.0)).1 && without_baseline(30.0, None).1);
+    }
 }

@@ -10,6 +10,7 @@ use socam_monitoring::{Event, Monitor, MonitorError, Overlay};
 use socam_recording::{Channel, Dataset};
 
 use super::super::fitting::{self, datasets};
+use super::episodes::Episodes;
 use crate::progress;
 use socam_workbench::job::{CANCELLED, Handle, Job};
 use socam_workbench::queue::Batch;
@@ -34,6 +35,7 @@ pub(super) enum Source {
 pub(super) struct Session {
     job: Job<Result<(), String>>,
     overlay: Arc<Mutex<Option<Overlay>>>,
+    episodes: Arc<Mutex<Episodes>>,
     events: Receiver<Event>,
     /// Samples of the running bench to the watch; `None` once the bench has gone.
     feed: Option<Sender<Arc<Batch>>>,
@@ -47,9 +49,12 @@ pub(super) struct Session {
 struct Worker<'a> {
     monitor: Monitor,
     overlay: Arc<Mutex<Option<Overlay>>>,
+    episodes: Arc<Mutex<Episodes>>,
     events: Sender<Event>,
     handle: &'a Handle,
     shown: Instant,
+    /// Blocks that were looked at.
+    blocks: usize,
 }
 
 impl Session {
@@ -61,13 +66,14 @@ impl Session {
         healthy: Vec<Recording>,
     ) -> Self {
         let overlay = Arc::<Mutex<Option<Overlay>>>::default();
+        let episodes = Arc::<Mutex<Episodes>>::default();
         let ((sender, events), (feed, samples)) = (channel(), channel());
         let name = match &source {
             Source::Replay { recording, .. } => recording.about.name.clone(),
             Source::Live(_) => "the running bench".into(),
         };
         let is_live = matches!(source, Source::Live(_));
-        let theirs = overlay.clone();
+        let theirs = (overlay.clone(), episodes.clone());
         let job = Job::start("Learning from the healthy recordings", wake, move |handle| {
             let model = task.model.changed(model).map_err(fitting::sentence)?;
             let healthy = datasets(&healthy, Grid::Even(&model), handle)?;
@@ -81,15 +87,16 @@ impl Session {
             };
             let settings = task.watching.settings();
             let monitor = Monitor::new(&model, &channels, baseline, settings).map_err(sentence)?;
-            let mut worker =
-                Worker { monitor, overlay: theirs, events: sender, handle, shown: Instant::now() };
+            let (overlay, episodes) = theirs;
+            let shown = Instant::now();
+            let mut worker = Worker { monitor, overlay, episodes, events: sender, handle, shown, blocks: 0 };
             handle.doing("Watching".into());
             match replay {
                 Some((data, speed)) => worker.replay(&data, speed),
                 None => worker.listen(&samples),
             }
         });
-        Self { job, overlay, events, is_live, feed: is_live.then_some(feed), name }
+        Self { job, overlay, episodes, events, is_live, feed: is_live.then_some(feed), name }
     }
 
     /// Passes on the samples of the running bench. When the bench is disconnected, the monitoring evaluates the remaining samples
@@ -106,6 +113,11 @@ impl Session {
     /// The last snapshot.
     pub(super) fn overlay(&self) -> Option<Overlay> {
         self.overlay.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// The samples around the alarms.
+    pub(super) fn episodes(&self) -> Episodes {
+        self.episodes.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     pub(super) fn events(&self) -> impl Iterator<Item = Event> {
@@ -190,12 +202,32 @@ impl Worker<'_> {
     }
 
     fn publish(&mut self, events: Result<Vec<Event>, MonitorError>) -> Result<(), String> {
-        for event in events.map_err(sentence)? {
+        let events = events.map_err(sentence)?;
+        self.note(&events);
+        for event in events {
             // The window may be gone.
             let _ = self.events.send(event);
             self.show();
         }
         Ok(())
+    }
+
+    /// Keeps the samples around an alarm, also those that come after it.
+    fn note(&mut self, events: &[Event]) {
+        // Most samples end no block.
+        if std::mem::replace(&mut self.blocks, self.monitor.blocks()) == self.monitor.blocks()
+            && events.is_empty()
+        {
+            return;
+        }
+        let begins = events.iter().find_map(|event| match event {
+            Event::Alarm(alarm) => Some(alarm),
+            _ => None,
+        });
+        let mut episodes = self.episodes.lock().unwrap_or_else(PoisonError::into_inner);
+        if begins.is_some() || episodes.is_open() {
+            episodes.take(&self.monitor.overlay().blocks, begins);
+        }
     }
 
     fn show_at_times(&mut self) {

@@ -9,6 +9,7 @@ use egui::{RichText, ScrollArea, TextEdit, Ui};
 use super::Review;
 pub(super) use elided::elided;
 use socam_chart::theme;
+use socam_workbench::Request;
 use socam_workbench::entry::Entry;
 use socam_workbench::entry::signals;
 use socam_workbench::recording::short;
@@ -23,7 +24,12 @@ const MANY: usize = 12;
 
 impl Review {
     /// Draws the list. Returns the index of a recording that was closed.
-    pub(super) fn list(&mut self, ui: &mut Ui, entries: &mut [Entry]) -> Option<usize> {
+    pub(super) fn list(
+        &mut self,
+        ui: &mut Ui,
+        entries: &mut [Entry],
+        requests: &mut Vec<Request>,
+    ) -> Option<usize> {
         let mut closed = None;
         let width = crate::layout::panel(ui, "recordings", 252.0);
         let panel = egui::Panel::left("recordings").default_size(width).size_range(170.0..=520.0);
@@ -34,7 +40,7 @@ impl Review {
                 self.search_field(ui);
             }
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                closed = self.recordings(ui, entries);
+                closed = self.recordings(ui, entries, requests);
                 self.channels(ui, &all, entries);
             });
         });

@@ -5,6 +5,8 @@ use egui::{Align, Button, Checkbox, DragValue, Layout, Rect, RichText, Role, Tex
 use super::{Review, elided, neat, short_name};
 use socam_chart::swatch::swatch;
 use socam_chart::theme;
+use socam_plot::words::counted;
+use socam_workbench::Request;
 use socam_workbench::entry::Entry;
 
 /// Number of recordings up to which each row has a second line with facts.
@@ -15,11 +17,17 @@ const FEW: usize = 3;
 enum Done {
     Close,
     Solo,
+    Columns,
 }
 
 impl Review {
     /// Draws the rows of all recordings. Returns the index of one that was closed.
-    pub(super) fn recordings(&mut self, ui: &mut Ui, entries: &mut [Entry]) -> Option<usize> {
+    pub(super) fn recordings(
+        &mut self,
+        ui: &mut Ui,
+        entries: &mut [Entry],
+        requests: &mut Vec<Request>,
+    ) -> Option<usize> {
         let shown = entries.iter().filter(|entry| entry.shown).count();
         let text = if entries.len() > FEW {
             format!("Recordings: {shown} of {} shown", entries.len())
@@ -53,6 +61,10 @@ impl Review {
                 solo(entries, index);
                 None
             }
+            (index, Done::Columns) => {
+                requests.push(Request::Columns(entries[index].recording.about.name.clone()));
+                None
+            }
         }
     }
 }
@@ -72,15 +84,18 @@ fn row(ui: &mut Ui, entry: &mut Entry, is_few: bool) -> (Rect, Option<Done>) {
     let was_shown = entry.shown;
     let row = ui.horizontal(|ui| {
         swatch(ui, entry.number, &name);
-        let close = ui.add(Button::new("x").frame(false)).on_hover_text(format!("Close {name}"));
-        close.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Close {name}")));
-        if close.clicked() {
-            done = Some(Done::Close);
-        }
         if !is_few && !entry.recording.about.warnings.is_empty() {
             ui.label(RichText::new("!").strong().color(theme::alarm(ui)));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            // Away from the tick box, which is pressed more often.
+            let close = ui
+                .add(Button::new("x").frame(false))
+                .on_hover_text(format!("Close {name} (Ctrl+Z opens it again)"));
+            close.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Close {name}")));
+            if close.clicked() {
+                done = Some(Done::Close);
+            }
             done = more(ui, entry, &name).or(done);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let font = TextStyle::Button.resolve(ui.style());
@@ -99,6 +114,9 @@ fn row(ui: &mut Ui, entry: &mut Entry, is_few: bool) -> (Rect, Option<Done>) {
     });
     if is_few {
         details(ui, entry);
+        if entry.recording.about.has_plain_numbers() && ui.button("Set units...").clicked() {
+            done = Some(Done::Columns);
+        }
         ui.add_space(4.0);
     }
     (row.response.rect, done)
@@ -128,6 +146,9 @@ fn more(ui: &mut Ui, entry: &mut Entry, name: &str) -> Option<Done> {
                 shift.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, &said));
                 shift.on_hover_text("Draws this recording later or earlier, to lay it over another");
             });
+            if entry.recording.about.has_plain_numbers() && ui.button("Set units...").clicked() {
+                done = Some(Done::Columns);
+            }
             if ui.button("Close recording").clicked() {
                 done = Some(Done::Close);
             }
@@ -146,9 +167,20 @@ fn details(ui: &mut Ui, entry: &Entry) {
     for warning in &entry.recording.about.warnings {
         ui.label(RichText::new(warning).small().color(theme::alarm(ui)));
     }
+    if let Some(remedy) = remedy(entry) {
+        ui.label(RichText::new(remedy).small());
+    }
     for note in notes(entry) {
         ui.label(RichText::new(note).small());
     }
+}
+
+/// What can be done about a log that is cut off or damaged.
+fn remedy(entry: &Entry) -> Option<String> {
+    let about = &entry.recording.about;
+    let is_log = entry.recording.path().is_some_and(|path| path.extension().is_some_and(|end| end == "mcap"));
+    (about.is_incomplete && is_log)
+        .then(|| format!("`socam-host recover {}` writes a whole log of what can be read", about.name))
 }
 
 fn notes(entry: &Entry) -> impl Iterator<Item = String> {
@@ -160,7 +192,8 @@ fn about(entry: &Entry) -> String {
     let rows = entry.recording.samples.rows();
     let rows = if rows == 1 { "1 sample".to_owned() } else { format!("{} samples", grouped(rows)) };
     let lines = [entry.recording.about.name.clone(), format!("{rows}, {}", facts(entry))];
-    let lines = lines.into_iter().chain(entry.recording.about.warnings.iter().cloned()).chain(notes(entry));
+    let lines = lines.into_iter().chain(entry.recording.about.warnings.iter().cloned());
+    let lines = lines.chain(remedy(entry)).chain(notes(entry));
     lines.collect::<Vec<_>>().join("\n")
 }
 
@@ -169,16 +202,17 @@ fn facts(entry: &Entry) -> String {
     let span_s = samples.span_s().map_or(0.0, |[from, to]| to - from);
     let step_s = entry.recording.about.sample_time_s;
     let rate = if step_s > 0.0 { format!(" at {} Hz", neat(1.0 / step_s)) } else { String::new() };
-    let gaps = match samples.segments().len().saturating_sub(1) {
+    let some = |count: usize, one: &str, several: &str| match count {
         0 => String::new(),
-        1 => ", 1 gap".into(),
-        more => format!(", {more} gaps"),
+        _ => format!(", {}", counted(count, one, several)),
     };
+    let gaps = some(samples.segments().len().saturating_sub(1), "gap", "gaps");
+    let missing = some(entry.missing_values as usize, "missing value", "missing values");
     let shift = match entry.shift_s {
         0.0 => String::new(),
         shift_s => format!(", {shift_s:+} s"),
     };
-    format!("{} s{rate}{gaps}{shift}", neat(span_s))
+    format!("{} s{rate}{gaps}{missing}{shift}", neat(span_s))
 }
 
 /// `1 234 567`

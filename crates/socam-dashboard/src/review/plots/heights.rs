@@ -6,9 +6,14 @@ use egui_tiles::{Container, LinearDir, Tile, TileId};
 
 use super::Plots;
 use socam_chart::chart;
+use socam_workbench::arrangement::Plot;
 
-/// Least height of a plot, points.
+/// Least height of a plot over time, points.
 const LEAST: f32 = 80.0;
+/// Least height of plots that have a row of choices above them, or an axis of their own below them, points.
+const LEAST_TALL: f32 = 220.0;
+/// Least height of a table, points.
+const LEAST_TABLE: f32 = 150.0;
 /// Height of the tabs above plots that share a place, points.
 pub(in crate::review) const TABS: f32 = 24.0;
 /// Distance of plots, points.
@@ -58,7 +63,11 @@ impl Plots {
     }
 
     fn least(&self, id: TileId) -> f32 {
-        let Some(Tile::Container(container)) = self.tree.tiles.get(id) else { return LEAST };
+        let container = match self.tree.tiles.get(id) {
+            Some(Tile::Container(container)) => container,
+            Some(Tile::Pane(plot)) => return least_of(plot),
+            None => return LEAST,
+        };
         let heights = self.visible(container).into_iter().map(|child| self.least(child));
         match container {
             Container::Linear(line) if line.dir == LinearDir::Vertical => {
@@ -93,12 +102,14 @@ impl Plots {
             .collect();
         let gaps = GAP * children.len().saturating_sub(1) as f32;
         let rest = height - gaps - with_axis.iter().sum::<f32>();
-        let each = (rest / children.len().max(1) as f32).max(1.0);
-        for (child, axis) in children.into_iter().zip(with_axis) {
+        let least: Vec<f32> = children.iter().map(|child| self.least(*child)).collect();
+        let each = even_share(&least, rest);
+        for ((child, axis), least) in children.into_iter().zip(with_axis).zip(least) {
+            let own = each.max(least) + axis;
             if let Some(Tile::Container(Container::Linear(line))) = self.tree.tiles.get_mut(id) {
-                line.shares.set_share(child, each + axis);
+                line.shares.set_share(child, own);
             }
-            self.level_tile(child, each + axis, lowest);
+            self.level_tile(child, own, lowest);
         }
     }
 
@@ -109,5 +120,41 @@ impl Plots {
             }
             _ => lowest.contains(&id.0),
         }
+    }
+}
+
+fn least_of(plot: &Plot) -> f32 {
+    match plot {
+        Plot::Time(_) => LEAST,
+        Plot::Xy { .. } | Plot::Spectrogram(_) => LEAST_TALL,
+        Plot::Statistics => LEAST_TABLE,
+    }
+}
+
+/// The height of all tiles of a column that is shared evenly, but for those that need more.
+fn even_share(least: &[f32], height: f32) -> f32 {
+    let (mut rest, mut count) = (height, least.len());
+    let mut by_need = least.to_vec();
+    by_need.sort_by(|a, b| b.total_cmp(a));
+    for need in by_need {
+        if need * count as f32 <= rest {
+            break;
+        }
+        (rest, count) = (rest - need, count - 1);
+    }
+    (rest / count.max(1) as f32).max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plot_with_an_axis_of_its_own_gets_the_height_that_it_needs() {
+        assert_eq!(even_share(&[80.0; 4], 800.0), 200.0);
+        let least = [80.0, 80.0, 80.0, 220.0];
+        let each = even_share(&least, 700.0);
+        assert_eq!(each, 160.0);
+        assert_eq!(least.map(|own| each.max(own)).iter().sum::<f32>(), 700.0);
     }
 }

@@ -71,6 +71,14 @@ impl Plots {
         states.into_iter().for_each(|(id, visible)| self.tree.set_visible(id, visible));
     }
 
+    /// Horizontal extents of the spectrograms, as they were drawn last.
+    pub(super) fn bars(&self) -> Vec<egui::Rangef> {
+        let is_one =
+            |(id, plot): &(TileId, &Plot)| matches!(plot, Plot::Spectrogram(_)) && self.tree.is_visible(*id);
+        let places = self.panes().filter(is_one).filter_map(|(id, _)| self.tree.tiles.rect(id));
+        places.map(|rect| rect.x_range()).collect()
+    }
+
     /// Removes a tile.
     pub(super) fn close(&mut self, id: TileId) {
         self.tree.remove_recursively(id);

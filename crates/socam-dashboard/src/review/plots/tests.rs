@@ -71,12 +71,14 @@ fn areas_of_data_in_a_column_are_equally_high_and_the_lowest_has_the_axis() {
     plots.stack(Plot::Statistics, &[]);
     let lowest = plots.lowest();
     assert_eq!(lowest.len(), 1);
-    plots.level(500.0);
+    let height = plots.least_height() + 200.0;
+    plots.level(height);
     let root = plots.tree.root.unwrap();
     let Some(Tile::Container(Container::Linear(column))) = plots.tree.tiles.get(root) else { panic!() };
     let heights: Vec<f32> = column.children.iter().map(|child| column.shares[*child]).collect();
-    assert!((heights.iter().sum::<f32>() + 4.0 * heights::GAP - 500.0).abs() < 1e-3);
+    assert!((heights.iter().sum::<f32>() + 4.0 * heights::GAP - height).abs() < 1e-3);
     assert_eq!(heights[0], heights[1]);
     assert!((heights[3] - heights[0] - socam_chart::chart::X_AXIS).abs() < 1e-3, "{heights:?}");
-    assert_eq!(heights[4], heights[0]);
+    // The table gets what it needs, or as much as the others.
+    assert!(heights[4] >= heights[0], "{heights:?}");
 }
