@@ -179,10 +179,11 @@ fn of(brake: impl Fn(f64, f64) -> f64 + Copy) -> (Finding, Model) {
     (found, Model::parse(&answer.model_toml).unwrap())
 }
 
-/// Whether the interval of a parameter holds its true value.
+/// Whether the interval of a parameter holds its true value. Prints both, for docs/diagnosis-measured.md.
 fn holds(found: &Finding, name: &str, truth: f64) -> bool {
     let own = found.parameters.iter().find(|own| own.name == name).unwrap_or_else(|| panic!("{found:?}"));
-    let [Some(low), Some(high)] = own.ci95 else { panic!("{own:?}") };
+    let ([Some(low), Some(high)], Some(value)) = (own.ci95, own.value) else { panic!("{own:?}") };
+    println!("{}: {name} {value:.4} [{low:.4}, {high:.4}], truth {truth}", found.equation);
     low < truth && truth < high && high - low < 0.5 * truth
 }
 
