@@ -120,7 +120,7 @@ fn an_interrupted_run_ramps_down_and_a_killed_one_leaves_a_log() {
 #[test]
 fn a_simulation_is_repeatable_and_its_own_model_explains_it() {
     let folder = tempfile::tempdir().expect("a folder");
-    let [first, again, table] = ["a.mcap", "b.mcap", "c.csv"].map(|name| folder.path().join(name));
+    let [first, again, table] = ["a.csv", "b.csv", "c.csv"].map(|name| folder.path().join(name));
     for path in [&first, &again, &table] {
         let hidden = "coulomb_friction@load_bearing:torque=0.4";
         let arguments =

@@ -2,7 +2,10 @@
 
 use std::collections::HashSet;
 
-use socam_model::{Model, effects::CATALOGUE};
+use socam_model::{
+    Model,
+    effects::{CATALOGUE, Form},
+};
 
 use crate::{
     Exported, Provenance, Target,
@@ -22,7 +25,8 @@ fn with_each_effect() -> Vec<(Model, String)> {
     let mut found = Vec::new();
     for name in ["speed-o-cam", "two-mass", "emps-loop"] {
         let model = Model::builtin(name).unwrap();
-        for effect in CATALOGUE {
+        // A mounting is refused, see below.
+        for effect in CATALOGUE.iter().filter(|effect| !matches!(effect.form, Form::Mounting)) {
             for place in model.places(effect) {
                 let values: Vec<_> = effect.given().map(|own| (own.name, 0.1)).collect();
                 if let Ok(grown) = model.with_effect(effect.id, place, &values) {
@@ -106,6 +110,19 @@ fn no_effect_is_dropped_without_a_word() {
         }
         let modelica = exported(&model, Target::Modelica).text;
         assert!(modelica.contains("end bench;"), "{what}");
+    }
+}
+
+#[test]
+fn a_mounting_that_gives_way_is_refused_by_its_place() {
+    let model = Model::builtin("two-mass").unwrap();
+    let mounting = CATALOGUE.iter().find(|effect| matches!(effect.form, Form::Mounting)).unwrap();
+    let values: Vec<_> = mounting.given().map(|own| (own.name, 0.1)).collect();
+    let mounted = model.with_effect(mounting.id, "motor", &values).unwrap();
+    for target in Target::ALL {
+        let refused = export(&mounted, &Provenance::new("model.toml", &mounted.text), target, "bench");
+        let said = refused.map(|_| ()).unwrap_err().to_string();
+        assert!(said.contains("the mounting of `motor` that gives way"), "{said}");
     }
 }
 

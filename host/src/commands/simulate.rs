@@ -16,7 +16,7 @@ use crate::table;
 
 /// Simulate the bench on a profile, or drive a model by the inputs of a recording and compare
 ///
-/// With --profile, a virtual bench is recorded like a real one, with noise; the same arguments give the same file. With --input, the model
+/// With --profile, a virtual bench is recorded like a real one, with noise; the same arguments give the same samples. With --input, the model
 /// is driven by the recorded inputs, and its predictions are compared with the measurement.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -94,7 +94,7 @@ fn simulate(args: &Args, path: &Path, kind: OutputFormat) -> anyhow::Result<Outc
     record::outcome(path, &report)
 }
 
-/// Runs a profile on the virtual bench as fast as it can. The same arguments give the same file.
+/// Runs a profile on the virtual bench as fast as it can. The same arguments give the same samples.
 pub(crate) fn simulate_into(record: &Record, bench: &VirtualBench, path: &Path) -> anyhow::Result<Report> {
     let setup = bench.setup(&bench.load()?, None)?;
     let metadata = [("device", "simulation".to_owned()), ("seed", bench.seed.to_string())];
