@@ -216,15 +216,15 @@ mod tests {
     fn a_table_without_units_is_plain_numbers_until_it_is_given_some() {
         let rows: String =
             (0..50).map(|row| format!("{},{},{}\n", 0.01 * f64::from(row), row % 7, 3)).collect();
-        let (_folder, path) = file("lab.csv", &format!("time,Motor RPM,gear\n{rows}"));
+        let (_folder, path) = file("lab.csv", &format!("time,Motor speed,gear\n{rows}"));
         let mut columns = Columns::of(&path).unwrap();
         let names: Vec<&str> = columns.columns.iter().map(|own| own.signal.as_str()).collect();
-        assert_eq!(names, ["Motor RPM", "gear"]);
+        assert_eq!(names, ["Motor speed", "gear"]);
         assert_eq!(columns.columns[0].guess.as_deref(), Some("rpm"));
-        assert_eq!(columns.unstated(), ["Motor RPM", "gear"]);
+        assert_eq!(columns.unstated(), ["Motor speed", "gear"]);
         let selection = Selection::parse(&path.display().to_string()).unwrap();
         let plain = columns.import(&selection).unwrap().data;
-        assert_eq!(plain.warnings()[0].to_string(), format!("{PLAIN_NUMBERS}: `Motor RPM`, `gear`"));
+        assert_eq!(plain.warnings()[0].to_string(), format!("{PLAIN_NUMBERS}: `Motor speed`, `gear`"));
         assert_eq!((plain.rows(), plain.channels()[0].unit), (50, Unit::One));
         columns.columns[0].unit = "rpm".into();
         columns.columns[0].name = "motor_speed".into();
