@@ -1,6 +1,6 @@
 //! The rhythm of a device that is asked for each sample.
 
-use crate::device::Heard;
+use crate::device::{Heard, Row};
 
 /// Longest time until an answer, ns.
 const ANSWER_NS: i64 = 50_000_000;
@@ -34,9 +34,10 @@ impl Asking {
         now_ns + ANSWER_NS
     }
 
-    /// The answer has arrived; returns the time since the question, ns.
-    pub(crate) fn answered(&mut self, arrival_ns: i64) -> i64 {
-        self.asked_ns.take().map_or(0, |asked_ns| arrival_ns.saturating_sub(asked_ns))
+    /// The answer has arrived: a row without clock or number, taken at some time since the question.
+    pub(crate) fn answered(&mut self, arrival_ns: i64, values: Vec<f64>) -> Heard {
+        let spread_ns = self.asked_ns.take().map_or(0, |asked_ns| arrival_ns.saturating_sub(asked_ns));
+        Heard::Row(Row { device_s: None, number: None, arrival_ns, spread_ns, values })
     }
 
     pub(crate) fn awaits(&self) -> bool {

@@ -10,7 +10,7 @@ use socam_recording::Channel;
 use socam_units::Unit;
 
 use crate::asking::Asking;
-use crate::device::{Chunk, Device, Heard, Numbering, Row};
+use crate::device::{Chunk, Device, Heard, Numbering};
 use crate::error::Result;
 use crate::text::lines::Lines;
 
@@ -182,16 +182,7 @@ impl Device for Moteus {
                 (_, Line::Other(_)) => Err("a line is none of an fdcanusb"),
             };
             match read {
-                Ok(Some(values)) => {
-                    let spread_ns = self.asking.answered(arrival_ns);
-                    heard.push(Heard::Row(Row {
-                        device_s: None,
-                        number: None,
-                        arrival_ns,
-                        spread_ns,
-                        values,
-                    }));
-                }
+                Ok(Some(values)) => heard.push(self.asking.answered(arrival_ns, values)),
                 Ok(None) => {}
                 Err(problem) => heard.push(Heard::Damaged(problem)),
             }

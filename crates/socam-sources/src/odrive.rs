@@ -6,7 +6,7 @@ use socam_recording::Channel;
 use socam_units::Unit;
 
 use crate::asking::Asking;
-use crate::device::{Chunk, Device, Heard, Numbering, Row};
+use crate::device::{Chunk, Device, Heard, Numbering};
 use crate::error::Result;
 use crate::text::lines::Lines;
 
@@ -147,14 +147,7 @@ impl Device for Odrive {
                         heard
                             .push(Heard::Fault(format!("the ODrive reports error {:#x}", self.error as u64)));
                     }
-                    let spread_ns = self.asking.answered(arrival_ns);
-                    heard.push(Heard::Row(Row {
-                        device_s: None,
-                        number: None,
-                        arrival_ns,
-                        spread_ns,
-                        values,
-                    }));
+                    heard.push(self.asking.answered(arrival_ns, values));
                 }
                 Err(problem) => heard.push(Heard::Damaged(problem)),
             }
