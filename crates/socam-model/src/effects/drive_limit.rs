@@ -56,8 +56,6 @@ pub(super) const EFFECT: Effect = Effect {
 const ROUNDING: f64 = 1e-3;
 
 fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
-    let kept = shape::clip(law_inputs[0], p[0], ROUNDING * p[0]);
-    // The limited value is homogeneous in reading and limit, of which the corners' width is a share.
-    let by_limit = (kept.value - law_inputs[0] * kept.by_x) / p[0];
-    shape::response(law_inputs[0] - kept.value, &[1.0 - kept.by_x], &[-by_limit])
+    let (kept, by_reading, by_limit) = shape::limited(law_inputs[0], p[0], ROUNDING);
+    shape::response(law_inputs[0] - kept, &[1.0 - by_reading], &[-by_limit])
 }

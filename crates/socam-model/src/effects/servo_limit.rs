@@ -29,10 +29,8 @@ pub(crate) static SERVO_LIMIT: Effect = Effect::bare(
 const ROUNDING: f64 = 1e-3;
 
 fn evaluate(law_inputs: &[f64], p: &[f64]) -> Response {
-    let kept = shape::clip(law_inputs[0], p[0], ROUNDING * p[0]);
-    // The limited value is homogeneous in command and limit, of which the corners' width is a share.
-    let by_limit = (kept.value - law_inputs[0] * kept.by_x) / p[0];
-    shape::response(kept.value - law_inputs[0], &[kept.by_x - 1.0], &[by_limit])
+    let (kept, by_command, by_limit) = shape::limited(law_inputs[0], p[0], ROUNDING);
+    shape::response(kept - law_inputs[0], &[by_command - 1.0], &[by_limit])
 }
 
 #[cfg(test)]

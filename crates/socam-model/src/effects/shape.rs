@@ -52,6 +52,13 @@ pub(super) fn clip(x: f64, half: f64, width: f64) -> Clipped {
     }
 }
 
+/// A value limited to -limit .. limit, with corners rounded over a share of the limit, and its derivatives by the value and by the limit.
+pub(super) fn limited(x: f64, limit: f64, rounding: f64) -> (f64, f64, f64) {
+    let kept = clip(x, limit, rounding * limit);
+    // Homogeneous in value and limit: the corners' width is a share of the limit.
+    (kept.value, kept.by_x, (kept.value - x * kept.by_x) / limit)
+}
+
 /// max(x, 0) with a corner rounded over `width`, and its first and second derivatives.
 fn ramp(x: f64, width: f64) -> [f64; 3] {
     let root = (x * x + width * width).sqrt();
