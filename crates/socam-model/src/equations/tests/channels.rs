@@ -72,6 +72,18 @@ fn an_input_may_be_made_of_an_angle() {
 }
 
 #[test]
+fn a_law_takes_its_angle_from_the_model_where_an_angle_is_measured() {
+    let gravity = [("torque", 0.5), ("phase", 0.0)];
+    let turned = |more: &str| {
+        let model = Model::parse(&format!("{}{more}", crate::BUILTIN[1].1)).unwrap();
+        let swinging = model.with_effect("gravity_unbalance", "load", &gravity).unwrap();
+        swinging.inputs().any(|input| input.quantity == Quantity::Turned)
+    };
+    assert!(turned(""));
+    assert!(!turned("[channels.load_angle]\nrole = \"output\"\nquantity = \"angle\"\nat = \"load\"\n"));
+}
+
+#[test]
 fn an_angle_that_is_put_into_a_spring_twists_it() {
     let text = crate::BUILTIN[1].1;
     let error = "[channels.error]\nrole = \"input\"\nquantity = \"angle\"\nat = \"shaft\"\ngain = \"size\"\n\
