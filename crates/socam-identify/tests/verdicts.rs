@@ -183,6 +183,18 @@ fn a_tachometer_with_the_wrong_sign_is_named() {
     assert!(!right.warnings.iter().any(|one| one.contains("wrong sign")));
 }
 
+#[test]
+fn a_tachometer_in_another_unit_is_named() {
+    let found = fitted(&model(""), &recording(7, Intersample::Hold, 0.0, 1000.0));
+    let said = found.warnings.iter().find(|one| one.contains("times too")).expect("a warning");
+    assert!(
+        said.starts_with("`speed` is 1000 times too large") && said.contains("`scale = 0.001`"),
+        "{said}"
+    );
+    let right = fitted(&model(""), &recording(7, Intersample::Hold, 0.0, 1.0));
+    assert!(!right.warnings.iter().any(|one| one.contains("times too")));
+}
+
 /// A pendulum on the motor that is caught in the middle of a swing.
 #[test]
 fn a_swing_that_begins_in_its_middle_does_not_drag_the_parameters_away() {

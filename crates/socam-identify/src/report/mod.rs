@@ -7,7 +7,7 @@ mod identification;
 mod intersample_check;
 mod model_text;
 mod offsets;
-mod sign_check;
+mod scale_check;
 mod verdict;
 mod warnings;
 
@@ -88,7 +88,7 @@ pub(crate) fn identification(
         advice::advice(problem.model, &parameters)
     };
     if verdict.explained == Explained::No && !descent.end.is_cut_off() {
-        warnings.extend(sign_check::warning(problem, &descent)?);
+        warnings.extend(scale_check::warning(problem, &descent)?);
     }
     warnings.extend(unexplained);
     warnings.extend(descent.left_the_data.map(left_the_data));

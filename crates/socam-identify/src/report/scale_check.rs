@@ -71,7 +71,7 @@ pub(crate) fn warning(problem: &Problem<'_>, descent: &Descent) -> Result<Option
 fn likeliest_unit(problem: &Problem<'_>, channel: usize) -> Result<Option<f64>, IdentifyError> {
     let mut best: Option<(f64, f64)> = None;
     for factor in FACTORS {
-        let left = left_with(problem, channel, factor, 1)?;
+        let left = left_with(problem, channel, factor, 0)?;
         if let Some(left) = left.filter(|left| best.is_none_or(|(least, _)| *left < least)) {
             best = Some((left, factor));
         }
