@@ -175,11 +175,18 @@ fn what_cannot_be_imported_is_said_in_a_sentence() {
     let robot = folder.path().join("arm.xml");
     std::fs::write(&robot, ARM).unwrap();
     let robot = robot.to_str().unwrap();
+    let elbow = folder.path().join("elbow.toml");
+    let elbow = elbow.to_str().unwrap();
+    run(["import-model", robot, "--joint", "elbow", "-o", elbow]).done();
     for (arguments, sentence) in [
         (vec!["import-model", robot], "has several joints; name one by --joint: `shoulder`, `elbow`"),
         (vec!["import-model", robot, "--joint", "wrist"], "has no joint `wrist`; it has `shoulder`, `elbow`"),
         (vec!["import-model", "two-mass", "--joint", "elbow"], "cannot read `two-mass`"),
         (vec!["export-model", "two-mass", "--into", robot, "--joint", "elbow", "-o", "-"], "has 2 nodes"),
+        (
+            vec!["export-model", elbow, "--into", robot, "--joint", "shoulder", "-o", "-"],
+            "is a model of `elbow`, and `shoulder`",
+        ),
     ] {
         let ran = run(arguments.iter().map(|text| (*text).to_owned()));
         assert!(ran.code == Some(2) || ran.code == Some(1), "{arguments:?}: {:?}", ran.code);
