@@ -177,7 +177,7 @@ fn what_cannot_be_imported_is_said_in_a_sentence() {
     let robot = robot.to_str().unwrap();
     let elbow = folder.path().join("elbow.toml");
     let elbow = elbow.to_str().unwrap();
-    run(["import-model", robot, "--joint", "elbow", "-o", elbow]).done();
+    assert_eq!(run(["import-model", robot, "--joint", "elbow", "-o", elbow]).code, Some(0));
     for (arguments, sentence) in [
         (vec!["import-model", robot], "has several joints; name one by --joint: `shoulder`, `elbow`"),
         (vec!["import-model", robot, "--joint", "wrist"], "has no joint `wrist`; it has `shoulder`, `elbow`"),
