@@ -51,7 +51,8 @@ pub fn is_counts(text: &str) -> bool {
 }
 
 fn read(plain: &str) -> Option<Scale> {
-    let meant = ALIASES.iter().find(|(alias, _)| *alias == plain).map_or(plain, |(_, meant)| meant);
+    let meant =
+        ALIASES.iter().find(|(alias, _)| alias.eq_ignore_ascii_case(plain)).map_or(plain, |(_, meant)| meant);
     scale::read(meant, Words::All)
         .or_else(|| {
             // `degps` and `mps`: angles and lengths per second.
