@@ -5,7 +5,11 @@
 //! (multiple shooting, H. G. Bock 1983, without continuity of the parts). The first effect found in this way, with all parameter values, is
 //! the start of the selection on whole recordings.
 
-use socam_identify::{IdentifyError, Options as FitOptions, StartState};
+use socam_identify::{
+    IdentifyError, Options as FitOptions, Problem, StartState,
+    comparison::{self, Evaluation, NoiseModel},
+};
+use socam_model::Model;
 use socam_recording::{Dataset, RecordingError};
 
 use crate::{
@@ -20,6 +24,49 @@ use crate::{
 const SAMPLES: [usize; 2] = [40, 160];
 /// Fewest parts of a recording.
 const LEAST_PARTS: usize = 4;
+/// Samples of the first parts of a fit by parts, by how much longer the next ones are, and iterations with each.
+const FIRST_SAMPLES: u64 = 160;
+const LONGER: u64 = 4;
+const ITERATIONS: usize = 10;
+
+/// A model's fit to whole recordings from values (SI) that are nearly right, where a free run from them ends turns away from what was measured. They
+/// are fitted to parts of the recordings first that become longer and have start states of their own. `None` where a prediction overflows.
+pub(crate) fn fitted_by_parts(
+    context: &Context<'_>,
+    model: &Model,
+    values: &[f64],
+    noise: &NoiseModel,
+) -> Result<Option<Evaluation>, IdentifyError> {
+    let fit = FitOptions { start_state: StartState::Free, ..context.tentative_fit() };
+    let longest = context.training.iter().map(Dataset::rows).max().unwrap_or(0);
+    let mut values = values.to_vec();
+    let mut samples = FIRST_SAMPLES;
+    while 2 * samples <= longest && !context.stops() {
+        let parts = parts(context.training, samples)?;
+        let problem = Problem::new(model, &parts, fit.clone())?;
+        let sensors = NoiseModel::new(&[&problem], &values, noise.levels().clone())?.with_exact_inputs();
+        let Some(at) = settled(&problem, &sensors, &values)? else { return Ok(None) };
+        values = at.values;
+        samples *= LONGER;
+    }
+    settled(&context.tentative(model)?, noise, &values)
+}
+
+/// A fit that begins at fitted start states: from those of the first samples a descent may run away from values that are nearly right.
+fn settled(
+    problem: &Problem<'_>,
+    noise: &NoiseModel,
+    values: &[f64],
+) -> Result<Option<Evaluation>, IdentifyError> {
+    let Some(begun) = comparison::measure(problem, noise, values)? else { return Ok(None) };
+    let from = Some((problem.model(), &begun));
+    comparison::descend(problem, noise, values, from, (comparison::COARSE, ITERATIONS))
+}
+
+/// Recordings in parts of this many samples.
+fn parts(recordings: &[Dataset], samples: u64) -> Result<Vec<Dataset>, RecordingError> {
+    recordings.iter().map(|dataset| dataset.in_parts(samples)).collect()
+}
 
 impl Path {
     /// The first effect that short parts of the recordings show, fitted to whole recordings. `None` if the base model is already near the
@@ -40,9 +87,7 @@ impl Path {
 
     /// The selection on parts of this many samples; `None` where no effect was added.
     fn on_parts(&self, context: &Context<'_>, samples: usize) -> Result<Option<Self>, IdentifyError> {
-        let parts: Result<Vec<Dataset>, RecordingError> =
-            context.training.iter().map(|dataset| dataset.in_parts(samples as u64)).collect();
-        let parts = parts?;
+        let parts = parts(context.training, samples as u64)?;
         let fit = FitOptions { start_state: StartState::Free, ..context.fit.clone() };
         let model = &self.base.model;
         let journal = context.journal.on("on short parts of the recordings");

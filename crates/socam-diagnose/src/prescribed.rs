@@ -3,7 +3,7 @@
 //!
 //! In a free run the deviance has minima far from the truth. The torque that the measured motion needs is nearly linear in all parameters,
 //! base parameters included, so that each candidate's regression gives one set of values. The candidates with the least residual torque are
-//! fitted to whole recordings from these values, and compete like any others.
+//! fitted to whole recordings from these values, where that fails by longer and longer parts, and compete like any others.
 
 use rayon::prelude::*;
 use socam_identify::{IdentifyError, PrescribedMotion, TorqueFit};
@@ -15,6 +15,7 @@ use crate::{
     context::{self, Context, FAR_BEYOND_NOISE},
     extension::{carried_over, extended},
     halving::Finalist,
+    horizon,
     selection::Path,
 };
 
@@ -54,6 +55,11 @@ impl Path {
             let problem = context.tentative(&one.model)?;
             let most = self.last.deviance();
             let at = context::descend_in_rounds(&problem, &self.noise, &one.fit.values, most, &ROUNDS)?;
+            let at = match at {
+                None => horizon::fitted_by_parts(context, &one.model, &one.fit.values, &self.noise)?
+                    .filter(|at| at.total() < most),
+                at => at,
+            };
             Ok(at.map(|at| Finalist { index, model: one.model.clone(), at }))
         });
         let fits: Result<Vec<Option<Finalist>>, IdentifyError> = fits.collect();
