@@ -3,7 +3,7 @@
 //! A free run from one start state integrates the model's errors over the whole recording. Its deviance then has minima in which base
 //! parameters imitate the missing physics. A prediction in short parts, each with its own start state, stays near the measured motion
 //! (multiple shooting, H. G. Bock 1983, without continuity of the parts). The first effect found in this way, with all parameter values, is
-//! the start of the selection on whole recordings.
+//! the start of the selection on whole recordings. Values from elsewhere that are nearly right are fitted to longer and longer parts.
 
 use socam_identify::{
     IdentifyError, Options as FitOptions, Problem, StartState,
@@ -30,7 +30,8 @@ const LONGER: u64 = 4;
 const ITERATIONS: usize = 10;
 
 /// A model's fit to whole recordings from values (SI) that are nearly right, where a free run from them ends turns away from what was measured. They
-/// are fitted to parts of the recordings first that become longer and have start states of their own. `None` where a prediction overflows.
+/// are fitted to parts of the recordings first that become longer and have start states of their own. `None` where a prediction overflows, or the search
+/// was ended.
 pub(crate) fn fitted_by_parts(
     context: &Context<'_>,
     model: &Model,
@@ -42,12 +43,15 @@ pub(crate) fn fitted_by_parts(
     let mut values = values.to_vec();
     let mut samples = FIRST_SAMPLES;
     while 2 * samples <= longest && !context.stops() {
-        let parts = parts(context.training, samples)?;
+        let parts = in_parts(context.training, samples)?;
         let problem = Problem::new(model, &parts, fit.clone())?;
         let sensors = NoiseModel::new(&[&problem], &values, noise.levels().clone())?.with_exact_inputs();
         let Some(at) = settled(&problem, &sensors, &values)? else { return Ok(None) };
         values = at.values;
         samples *= LONGER;
+    }
+    if context.stops() {
+        return Ok(None);
     }
     settled(&context.tentative(model)?, noise, &values)
 }
@@ -64,7 +68,7 @@ fn settled(
 }
 
 /// Recordings in parts of this many samples.
-fn parts(recordings: &[Dataset], samples: u64) -> Result<Vec<Dataset>, RecordingError> {
+fn in_parts(recordings: &[Dataset], samples: u64) -> Result<Vec<Dataset>, RecordingError> {
     recordings.iter().map(|dataset| dataset.in_parts(samples)).collect()
 }
 
@@ -87,7 +91,7 @@ impl Path {
 
     /// The selection on parts of this many samples; `None` where no effect was added.
     fn on_parts(&self, context: &Context<'_>, samples: usize) -> Result<Option<Self>, IdentifyError> {
-        let parts = parts(context.training, samples as u64)?;
+        let parts = in_parts(context.training, samples as u64)?;
         let fit = FitOptions { start_state: StartState::Free, ..context.fit.clone() };
         let model = &self.base.model;
         let journal = context.journal.on("on short parts of the recordings");

@@ -52,14 +52,13 @@ impl Path {
         let tried: Vec<_> = regressed.iter().map(|one| (one.candidate.clone(), one.p_value)).collect();
         journal.note_left_out(&path.tests, &tried, context.options.false_alarm_rate);
         let fits = regressed.par_iter().enumerate().map(|(index, one)| {
-            let problem = context.tentative(&one.model)?;
+            let (problem, values) = (context.tentative(&one.model)?, &one.fit.values);
             let most = self.last.deviance();
-            let at = context::descend_in_rounds(&problem, &self.noise, &one.fit.values, most, &ROUNDS)?;
-            let at = match at {
-                None => horizon::fitted_by_parts(context, &one.model, &one.fit.values, &self.noise)?
-                    .filter(|at| at.total() < most),
-                at => at,
-            };
+            let mut at = context::descend_in_rounds(&problem, &self.noise, values, most, &ROUNDS)?;
+            if at.is_none() {
+                let by_parts = horizon::fitted_by_parts(context, &one.model, values, &self.noise)?;
+                at = by_parts.filter(|at| at.total() < most);
+            }
             Ok(at.map(|at| Finalist { index, model: one.model.clone(), at }))
         });
         let fits: Result<Vec<Option<Finalist>>, IdentifyError> = fits.collect();
