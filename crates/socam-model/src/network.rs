@@ -11,6 +11,7 @@ use motion::MotionMaps;
 
 mod assembly;
 mod classes;
+mod driving;
 mod forces;
 mod groups;
 mod law_inputs;

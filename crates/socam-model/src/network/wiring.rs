@@ -21,6 +21,7 @@ impl Model {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.unused_parameters();
+        warnings.extend(self.laws_that_drive());
         let values = self.values();
         if let Ok(assembly) = Assembly::new(self, &values, &[]) {
             warnings.extend(assembly.dead_ends());
@@ -32,7 +33,8 @@ impl Model {
     }
 
     /// Whether an element, an effect or a channel uses each parameter.
-    pub(crate) fn used_parameters(&self) -> Vec<bool> {
+    /// Those of candidate laws are not.
+    pub fn used_parameters(&self) -> Vec<bool> {
         let nodes = self.nodes.iter().filter_map(|node| node.inertia);
         let springs =
             self.springs.iter().flat_map(|spring| [Some(spring.stiffness), spring.damping]).flatten();

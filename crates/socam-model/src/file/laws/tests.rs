@@ -241,3 +241,29 @@ fn a_curve_is_a_law_with_its_own_factor() {
     );
     assert!(refused("", "[\"friction\", \"width\", \"low\"]").contains("are in \"N m\" and \"rpm\""));
 }
+
+#[test]
+fn a_law_that_pushes_its_bearing_along_is_told() {
+    let warnings = |formula: &str, more: &str| {
+        let model = Model::parse(&text(BRAKE, &law("load_bearing", formula, more), LOAD)).unwrap();
+        let all = model.warnings().into_iter();
+        all.filter(|sentence| sentence.contains("pushes its bearing")).collect::<Vec<_>>()
+    };
+    for more in ["", "candidate = true"] {
+        let told = warnings("(friction + share*load_torque)*tanh(speed/width)", more);
+        assert_eq!(told.len(), 1);
+        assert!(
+            told[0].starts_with(
+                "the law brake pushes its bearing along at every speed, with 0.287 N m at 1 rad/s"
+            ),
+            "{told:?}"
+        );
+    }
+    for right in [
+        "-friction*tanh(speed/width)",
+        "friction*speed/width*(1 - abs(speed/width))",
+        "friction + share*load_torque",
+    ] {
+        assert!(warnings(right, "").is_empty(), "{right}");
+    }
+}
