@@ -58,7 +58,8 @@ pub(crate) fn end(end: End) -> &'static str {
 }
 
 fn estimate_row(parameter: &ParameterEstimate) -> Vec<String> {
-    let note = if parameter.source == Source::Fixed { "fixed".into() } else { parameter.note.clone() };
+    let is_fixed = parameter.source == Source::Fixed && parameter.note.is_empty();
+    let note = if is_fixed { "fixed".into() } else { parameter.note.clone() };
     let note = if parameter.source == Source::Prior { format!("mostly from its prior {note}") } else { note };
     vec![
         parameter.name.clone(),

@@ -29,6 +29,9 @@ const CHANCE: f64 = 3.84;
 /// An estimate whose whole interval lies within this share of its usual value is determined as nearly zero.
 const NEARLY_ZERO: f64 = 0.05;
 
+/// Note of a parameter on which no prediction depends.
+const UNUSED: &str = "takes no part in this fit: only candidate laws use it";
+
 /// Estimates that a fit would report with this factor over [free parameters, scaled | residual] and white residuals.
 pub(crate) fn predicted(
     problem: &Problem<'_>,
@@ -83,10 +86,12 @@ pub(crate) fn parameter_estimates(
     swaps_with: &[(usize, usize)],
 ) -> (Vec<ParameterEstimate>, bool) {
     let mut any_at_bound = false;
+    let used = problem.model.used_parameters();
     let estimates = problem.model.parameters.iter().enumerate().map(|(index, parameter)| {
         let value = values[index];
         let Some(j) = problem.free.iter().position(|free| *free == index) else {
-            return fixed(parameter, value);
+            let note = if used[index] { "" } else { UNUSED };
+            return ParameterEstimate { note: note.into(), ..fixed(parameter, value) };
         };
         let counterpart = swaps_with.iter().find(|(own, _)| *own == index).map(|(_, other)| *other);
         let std = uncertainty.std(&[(j, 1.0)]);
