@@ -7,6 +7,7 @@ mod parameters;
 mod recordings;
 mod rivals;
 mod unfinished;
+mod unread;
 
 use socam_identify::{Cause, IdentifyError};
 
@@ -113,6 +114,9 @@ fn cautions(inputs: &Inputs<'_>, findings: &[Finding]) -> Vec<String> {
     }
     if path.unexamined.is_some() {
         all.extend(undetermined(inputs));
+    }
+    if findings.iter().any(|finding| finding.effect == UNEXPLAINED) {
+        all.extend(context.training.first().and_then(|first| unread::sentence(&path.base.model, first)));
     }
     if path.effects() >= context.options.most_effects && left > EXCESS {
         all.push(format!("stopped after {} effects, the most that --most allows", path.terms.len()));
