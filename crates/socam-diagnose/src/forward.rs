@@ -114,7 +114,8 @@ impl Path {
             // The effect was chosen among all candidates; only the curves did not compete with it.
             (self.unexplained, self.unexamined) = (None, Some(Unexamined::Curves));
         }
-        if let Some(curve) = &self.unexplained {
+        if let Some(curve) = self.unexplained.clone() {
+            let curve = &curve;
             self.begin_part(context, "laws in the place of a curve", 0.8);
             let mut overlooked = self.overlooked(curve, &tried);
             // The effect chosen before the curve was fitted competes again.
@@ -140,6 +141,13 @@ impl Path {
                     self.unexplained = None;
                     return Ok(true);
                 }
+                named = self.best_given_up(context, curve)?;
+                if context.stops() {
+                    self.unexamined = Some(Unexamined::Laws);
+                    return Ok(false);
+                }
+            }
+            if named.is_none() {
                 self.replace_by_curve(context)?;
                 return Ok(false);
             }

@@ -170,6 +170,21 @@ impl Journal {
         }
     }
 
+    /// Effects and places of which this step gave up a fit, and which came no further.
+    pub(crate) fn given_up(&self) -> Vec<(&'static str, String)> {
+        let state = self.state();
+        let own = || state.notes.iter().filter(|note| note.step == state.step && note.data.is_empty());
+        let came_further = |one: &Note| {
+            own().any(|note| {
+                note.effect == one.effect && note.place == one.place && note.fate.stage() > Stage::RacedOut
+            })
+        };
+        own()
+            .filter(|note| note.fate.stage() == Stage::RacedOut && !came_further(note))
+            .map(|note| (note.effect, note.place.clone()))
+            .collect()
+    }
+
     /// How far each effect came at each place: of notes at the same stage, the last.
     pub(crate) fn fates(&self) -> Vec<CandidateFate> {
         let state = self.state();
@@ -200,6 +215,21 @@ mod tests {
     use socam_model::effects;
 
     use super::*;
+
+    #[test]
+    fn given_up_are_candidates_that_came_no_further_in_this_step() {
+        let friction = effects::find("coulomb_friction").unwrap();
+        let one = |place: &str| Candidate::new(friction, place, vec![("torque", 0.1)]);
+        let journal = Journal::default();
+        journal.note(&one("motor"), Fate::Diverged);
+        journal.begin_step(2);
+        let raced_out = Fate::RacedOut { iterations: 9, deviance: 24.0, best: 10.0 };
+        journal.note(&one("load"), raced_out.clone());
+        journal.note(&one("cam"), raced_out.clone());
+        journal.note(&one("cam"), Fate::ShutOut);
+        journal.on("on short parts").note(&one("wheel"), raced_out);
+        assert_eq!(journal.given_up(), [("coulomb_friction", "load".to_owned())]);
+    }
 
     #[test]
     fn the_furthest_note_of_each_candidate_is_told() {

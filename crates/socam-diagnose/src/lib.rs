@@ -47,6 +47,7 @@ mod extension;
 mod final_choice;
 mod formulas;
 mod forward;
+mod given_up;
 mod halving;
 mod held_out;
 mod horizon;

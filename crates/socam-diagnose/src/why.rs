@@ -1,20 +1,14 @@
 //! Why an effect is no finding: the corrected model with that effect, fitted to its end whatever the search made of it.
 
-use rayon::prelude::*;
-use socam_identify::{IdentifyError, comparison};
-use socam_model::Model;
+use socam_identify::IdentifyError;
 
 use crate::{
-    candidate::Candidate,
-    candidates,
     context::Context,
     document::{CandidateFate, Stage, Trial, UNEXPLAINED},
-    extension::{carried_over, extended},
+    given_up,
     selection::Path,
 };
 
-/// Largest number of iterations of such a fit: slow candidates take more than the search gives them.
-const ITERATIONS: usize = 60;
 /// Grid points of the effect, by the score test, whose starts are fitted.
 const GRID_POINTS: usize = 2;
 
@@ -44,7 +38,7 @@ fn trials(
     path: &Path,
     (effect, location): (&str, &str),
 ) -> Result<Vec<Trial>, IdentifyError> {
-    let starts = starts(context, path, (effect, location))?;
+    let starts = given_up::starts(context, path, (effect, location), GRID_POINTS)?;
     let curve = match &path.unexplained {
         Some(curve) => context.refitted(&curve.fitted, &path.noise)?.map(|fitted| (curve, fitted)),
         None => None,
@@ -58,12 +52,8 @@ fn trials(
             Some(term) => path.start_without(term),
         };
         let Some((model, values)) = base else { continue };
-        let fits = starts.par_iter().map(|start| fitted(context, path, (&model, &values), start));
-        let fits: Result<Vec<Option<_>>, IdentifyError> = fits.collect();
-        let least = |a: &(Model, comparison::Evaluation), b: &(Model, comparison::Evaluation)| {
-            a.1.total().total_cmp(&b.1.total())
-        };
-        let Some((model, at)) = fits?.into_iter().flatten().min_by(least) else { continue };
+        let best = given_up::best_fit(context, (&model, &values), &path.noise, &starts)?;
+        let Some((model, at)) = best else { continue };
         let Some(fitted) = context.validated(&model, at, &path.noise)? else { continue };
         let gained = path.gain(&fitted, corrected);
         let of_term = instead_of.map(|term: usize| {
@@ -79,39 +69,4 @@ fn trials(
     }
     all.sort_by(|a, b| b.log_score.total_cmp(&a.log_score));
     Ok(all)
-}
-
-/// Small and usual amplitudes at the grid points that score best.
-fn starts(
-    context: &Context<'_>,
-    path: &Path,
-    (effect, location): (&str, &str),
-) -> Result<Vec<Candidate>, IdentifyError> {
-    let is_it = |one: &&Candidate| one.effect.id == effect && one.place == location;
-    let (model, values) = (&path.last.model, &path.last.at.values);
-    let mut own: Vec<Candidate> = path.tests.iter().map(|one| &one.start).filter(is_it).cloned().collect();
-    if own.is_empty() {
-        let all = candidates::all(model, &path.scales(context)?);
-        own = all.iter().filter(is_it).cloned().collect();
-    }
-    own.truncate(GRID_POINTS);
-    let begun = own.into_iter().flat_map(|one| {
-        let usual = candidates::usual_starts(&one, &path.priors.rig);
-        candidates::starts(one, model, values).into_iter().chain(usual)
-    });
-    Ok(begun.collect())
-}
-
-/// A model with one more effect, fitted from one start. `None` where it cannot act or overflows.
-fn fitted(
-    context: &Context<'_>,
-    path: &Path,
-    (model, values): (&Model, &[f64]),
-    start: &Candidate,
-) -> Result<Option<(Model, comparison::Evaluation)>, IdentifyError> {
-    let Some(more) = extended(model, start) else { return Ok(None) };
-    let values = carried_over((model, values), &more);
-    let round = (comparison::FINE, ITERATIONS);
-    let at = comparison::descend(&context.tentative(&more)?, &path.noise, &values, None, round)?;
-    Ok(at.map(|at| (more, at)))
 }
