@@ -3,7 +3,8 @@
 //!
 //! At every place one unknown torque is tried as a smooth function of one quantity: the place's speed, its angle within a turn, a
 //! coupling's twist, or time. A friction torque may depend on time or angle, a coupling's stiffness on time, a sensor's error on its
-//! reading or time. One evaluation with sensitivities gives the score of each; the best one is fitted.
+//! reading or time. Curves over time are left out where recordings share their timing. One evaluation with sensitivities gives the score of each;
+//! the best one is fitted.
 
 mod basis;
 pub(crate) mod coordinate;
@@ -11,6 +12,7 @@ mod fit;
 pub(crate) mod formula;
 mod law;
 pub(crate) mod term;
+mod timing;
 
 use rayon::prelude::*;
 use socam_identify::{IdentifyError, comparison::CandidateScore};
@@ -54,6 +56,9 @@ pub(crate) fn competing(
     }
     let mut terms = all_terms(context, &path.last.model, scales);
     terms.retain(|term| !is_explained || is_any_significant || term.is_outside_catalogue());
+    if timing::is_shared(&path.last.model, context.training)? {
+        terms.retain(|term| term.over != Over::Time);
+    }
     let scored = ranked(context, path, &terms)?;
     if context.stops() {
         return Ok(None);
