@@ -43,11 +43,9 @@ impl Dataset {
             parts = next?;
         }
         if first.tally.rows == 0 {
-            let damage = if first.row == 0 { warning::damage(&scan.finish().1.warnings) } else { None };
-            let path = selection.path.clone();
-            return Err(match damage {
-                Some(damage) => RecordingError::AllDamaged { path, damage },
-                None => RecordingError::NoSamples { path, is_whole: selection.span == Span::ALL },
+            return Err(match scan.finish().1 {
+                end if first.row == 0 => without_samples(selection, &end),
+                _ => RecordingError::NoSamples { path: selection.path.clone(), is_whole: false },
             });
         }
         Self::assemble(first, format, &all_channels, scan.finish())
@@ -103,6 +101,19 @@ impl Dataset {
             warnings: end.warnings,
             source,
         })
+    }
+}
+
+/// Why a file that was read to its end has no samples.
+fn without_samples(selection: &Selection, end: &EndOfRows) -> RecordingError {
+    let path = selection.path.clone();
+    match (warning::damage(&end.warnings), &end.cut) {
+        (Some(damage), _) => RecordingError::AllDamaged { path, damage },
+        (None, Some(cut)) => {
+            let problem = "the log is cut off here, before its first samples; copy it again from its source, or record again";
+            RecordingError::Byte { path, byte: cut.byte, problem: problem.into() }
+        }
+        (None, None) => RecordingError::NoSamples { path, is_whole: selection.span == Span::ALL },
     }
 }
 
