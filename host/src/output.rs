@@ -143,7 +143,7 @@ pub(crate) fn check_target_of(target: &Path, run: &Selection, replace: bool) -> 
 }
 
 /// Refuses to replace a file unless it may be replaced. An empty file may be.
-fn check_free(target: &Path, replace: bool) -> anyhow::Result<()> {
+pub(crate) fn check_free(target: &Path, replace: bool) -> anyhow::Result<()> {
     if !replace && target.metadata().is_ok_and(|there| there.is_file() && there.len() > 0) {
         anyhow::bail!("`{}` exists already; choose another name, or --force to replace it", target.display());
     }
@@ -204,12 +204,17 @@ fn painted(text: &str, colour: &str) -> String {
     if plain { text.into() } else { format!("\u{1b}[1;{colour}m{text}\u{1b}[0m") }
 }
 
-/// Creates a file that appears complete or not at all. It never replaces a recording.
+/// Refuses to write a page into a folder that has one, unless it may be replaced. Commands ask before they begin their work.
+pub(crate) fn check_page(folder: Option<&Path>, replace: bool) -> anyhow::Result<()> {
+    folder.map_or(Ok(()), |folder| check_free(&folder.join("index.html"), replace))
+}
+
+/// Creates a file of this program's own that appears complete or not at all. It never replaces a recording.
 pub(crate) fn create(path: &Path) -> anyhow::Result<OutputFile> {
     create_new(path, true)
 }
 
-/// Creates a file for a model or a calibration, which people edit by hand. It replaces an existing file only if `replace` is set.
+/// Creates a file that a user named; it appears complete or not at all. It replaces an existing file only if `replace` is set.
 pub(crate) fn create_new(path: &Path, replace: bool) -> anyhow::Result<OutputFile> {
     if socam_recording::detect(path).is_ok() {
         let problem = format!("`{}` is a recording; name another file to write", path.display());

@@ -225,6 +225,39 @@ fn an_output_that_cannot_be_written_leaves_nothing() {
 }
 
 #[test]
+fn a_file_that_is_there_is_replaced_only_by_force() {
+    let folder = Folder::new();
+    let run = folder.file("run.csv", csv());
+    fs::create_dir(folder.path("page")).unwrap();
+    let theirs = [
+        ("page/index.html", vec!["thesis", "--report", "page"]),
+        ("page/index.html", vec!["compare", &run, &run, "--report", "page"]),
+        ("page/index.html", vec!["diagnose", &run, "--model", "emps", "--report", "page"]),
+        ("page/index.html", vec!["identify", &run, "--model", "emps", "--method", "frf", "--report", "page"]),
+        ("mine.csv", vec!["simulate", "--profile", "steps", "--duration", "1s", "-o", "mine.csv"]),
+        ("mine.csv", vec!["simulate", "--input", &run, "--model", "emps", "-o", "mine.csv"]),
+        ("mine.toml", vec!["design", "--model", "emps", "--duration", "1s", "-o", "mine.toml"]),
+        ("mine.svg", vec!["efficiency", &run, "--map", "mine.svg"]),
+        ("mine.svg", vec!["calibrate", &run, "--plot", "mine.svg"]),
+        ("mine.html", vec!["fleet", ".", "--model", "emps", "-o", "fleet.parquet", "--report", "mine.html"]),
+        ("mine.png", vec!["dashboard", &run, "--screenshot", "mine.png"]),
+    ];
+    for (target, arguments) in theirs {
+        let path = folder.file(target, "written by hand");
+        let at =
+            |word: &str| if word == target || word == "page" { folder.path(word) } else { word.to_owned() };
+        let arguments: Vec<String> = arguments.into_iter().map(at).collect();
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        folder.refuses(FAILED, &arguments, &[target, "exists already", "--force"]);
+        assert_eq!(fs::read_to_string(&path).unwrap(), "written by hand");
+    }
+    let target = folder.path("mine.csv");
+    let arguments = ["simulate", "--profile", "steps", "--duration", "1s", "-o", &target, "--force"];
+    let _ = socam_tests::run(arguments).done();
+    assert!(fs::read_to_string(&target).unwrap().starts_with("t_s,"));
+}
+
+#[test]
 fn what_cannot_be_flashed_is_refused() {
     let folder = Folder::new();
     let drive = folder.path("");

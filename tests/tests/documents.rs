@@ -4,6 +4,7 @@
 
 mod commands;
 mod crates;
+mod demo;
 mod formats;
 mod links;
 #[cfg(all(unix, feature = "full"))]

@@ -74,6 +74,12 @@ fn a_static_test_of_a_coupling_becomes_a_prior() {
     let refused = run(["calibrate", &at("coupling.csv"), "-o", &at("bench.toml")]);
     assert!(refused.refusal(2).contains("--write-model takes what was measured of couplings"));
     assert!(!Path::new(&at("bench.toml")).exists());
+
+    let backwards = "coupling_3_twist_deg,coupling_3_torque_Nm\n0,0\n0.2,-0.384\n0.4,-0.767\n0.6,-1.152\n";
+    std::fs::write(at("backwards.csv"), backwards).unwrap();
+    let refused = run(["calibrate", &at("backwards.csv"), "--write-model", &at("no.toml")]);
+    assert!(refused.refusal(1).contains("turn the sign of one of them"));
+    assert!(!Path::new(&at("no.toml")).exists());
 }
 
 #[test]

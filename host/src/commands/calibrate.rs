@@ -43,7 +43,7 @@ pub(crate) struct Args {
     /// Write the model, with measured stiffnesses as priors, to this file, for `identify --model`
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
-    /// Replace the calibration and the model, if they exist
+    /// Replace the calibration, the model and the plot, if they exist
     #[arg(long)]
     force: bool,
     /// Standard uncertainty of the reference instruments, per cent of the reading
@@ -72,11 +72,9 @@ pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
     args.files = output::expanded(&args.files)?;
     let assumed = assumed(&args)?;
     let model = socam_job::load_model(&args.model)?;
-    // An existing plot is always replaced; calibrations and models may have been edited by hand.
-    let targets =
-        [(&args.write_calibration, args.force), (&args.write_model, args.force), (&args.plot, true)];
-    let [calibration_file, model_target, plot_target] = targets
-        .map(|(path, replace)| path.as_deref().map(|path| output::create_new(path, replace)).transpose());
+    let [calibration_file, model_target, plot_target] =
+        [&args.write_calibration, &args.write_model, &args.plot]
+            .map(|path| path.as_deref().map(|path| output::create_new(path, args.force)).transpose());
     let (calibration_file, model_target, plot_target) = (calibration_file?, model_target?, plot_target?);
     let mut found = Found::default();
     let mut runs = Vec::new();
@@ -167,6 +165,11 @@ fn remarks(task: &Task) -> Vec<String> {
             table::number(bent.at)
         ));
     }
+    if let Task::Spring { .. } = task
+        && line.gain.value <= 0.0
+    {
+        said.push(backwards(&name));
+    }
     if let Task::Tachometers { name, reference, line, .. } = task
         && !line.gain.holds(1.0)
     {
@@ -178,6 +181,12 @@ fn remarks(task: &Task) -> Vec<String> {
         ));
     }
     said
+}
+
+fn backwards(spring: &str) -> String {
+    format!(
+        "{spring}: the torque falls as the twist grows; one of its two columns counts the other way, so turn the sign of one of them"
+    )
 }
 
 fn name(task: &Task) -> String {
@@ -269,6 +278,7 @@ fn with_priors(model: &socam_model::Model, found: &[Task]) -> anyhow::Result<Str
                 format!("the model {} has no spring {name}; it has {}", model.name, places.join(", "));
             return Err(WrongArguments(message).into());
         };
+        anyhow::ensure!(prior.value > 0.0, backwards(name));
         priors.push((model.parameters[index].name.as_str(), prior));
     }
     if priors.is_empty() {

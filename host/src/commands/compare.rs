@@ -31,6 +31,9 @@ pub(crate) struct Args {
     /// Write index.html and comparison.json into this directory
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
+    /// Replace the page of --report, if it exists
+    #[arg(long)]
+    force: bool,
     /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
@@ -38,6 +41,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     args.task.validate()?;
+    output::check_page(args.report.as_deref(), args.force)?;
     let model = args.task.model.as_deref().map(socam_job::load_model).transpose()?;
     let recording = output::open_on(Grid::View, &args.run)?;
     let simulation = output::open(&args.simulation)?;

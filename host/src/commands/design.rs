@@ -35,6 +35,9 @@ pub(crate) struct Args {
     /// Write the profile to this file
     #[arg(short = 'o', long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Replace the profile, if it exists
+    #[arg(long)]
+    force: bool,
     /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
@@ -42,7 +45,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
     args.runs = output::expanded(&args.runs)?;
-    let target = args.output.as_deref().map(output::create).transpose()?;
+    let target = args.output.as_deref().map(|path| output::create_new(path, args.force)).transpose()?;
     let (model, rival) = args.task.load()?;
     let recorded = args.runs.iter().map(|run| output::open(run)).collect::<anyhow::Result<Vec<_>>>()?;
     let bar = ProgressBar::new_spinner();

@@ -35,7 +35,7 @@ pub(crate) struct Args {
     /// Write the corrected model to this file, unless Ctrl-C ended the search
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
-    /// Replace the file of --write-model, if it exists
+    /// Replace the file of --write-model and the page of --report, if they exist
     #[arg(long)]
     force: bool,
     /// Write index.html, diagnosis.json and (unless Ctrl-C ended the search) model.toml into this directory
@@ -64,6 +64,7 @@ pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
     args.runs = output::expanded(&args.runs)?;
     args.holdout = output::expanded(&args.holdout)?;
     args.task.validate()?;
+    output::check_page(args.report.as_deref(), args.force)?;
     let model = args.task.model.load()?;
     let tables = args.task.are_tables(&args.runs, &args.holdout)?;
     let interrupt = Interrupt::listen();

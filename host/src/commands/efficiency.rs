@@ -43,6 +43,9 @@ pub(crate) struct Args {
     /// Draw efficiency over speed and torque into this file (.svg)
     #[arg(long, value_name = "FILE.svg")]
     map: Option<PathBuf>,
+    /// Replace the map, if it exists
+    #[arg(long)]
+    force: bool,
     /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
@@ -71,7 +74,7 @@ struct Difference {
 pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
     args.runs = output::expanded(&args.runs)?;
     args.against = output::expanded(&args.against)?;
-    let target = args.map.as_deref().map(output::create).transpose()?;
+    let target = args.map.as_deref().map(|path| output::create_new(path, args.force)).transpose()?;
     let model = socam_job::load_model(&args.model)?;
     let [runs, against] = [open_all(&args.runs)?, open_all(&args.against)?];
     let first = measure(&model, &runs, &args.runs, &args)?;

@@ -31,6 +31,9 @@ pub(crate) struct Args {
     /// Write the image with its checksum to a UF2 file; no board is needed
     #[arg(short, long, value_name = "FILE", conflicts_with_all = ["drive", "probe"])]
     output: Option<PathBuf>,
+    /// Replace the UF2 file, if it exists
+    #[arg(long)]
+    force: bool,
 }
 
 /// The file that identifies a boot drive, and its text for this chip.
@@ -51,7 +54,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         return by_probe(&uf2);
     }
     if let Some(file) = args.output {
-        return to_file(&uf2, &args.image, &file);
+        return to_file(&uf2, &args.image, (&file, args.force));
     }
     let drive = match args.drive {
         Some(drive) if is_boot_drive(&drive) => drive,
@@ -66,8 +69,8 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn to_file(uf2: &[u8], image: &Path, file: &Path) -> anyhow::Result<Outcome> {
-    output::check_target(file, image, true)?;
+fn to_file(uf2: &[u8], image: &Path, (file, replace): (&Path, bool)) -> anyhow::Result<Outcome> {
+    output::check_target(file, image, replace)?;
     let mut written = output::create(file)?;
     written.write_all(uf2).with_context(|| format!("cannot write `{}`", file.display()))?;
     written.commit()?;
@@ -116,7 +119,13 @@ mod tests {
         let built = elf(0x1000_0000, &sealable(1000));
         std::fs::write(&image, &built).unwrap();
         let to = |file: &Path| {
-            run(Args { image: image.clone(), drive: None, probe: false, output: Some(file.into()) })
+            run(Args {
+                image: image.clone(),
+                drive: None,
+                probe: false,
+                output: Some(file.into()),
+                force: true,
+            })
         };
         to(&file).unwrap();
         assert_eq!(std::fs::read(&file).unwrap(), uf2::of(&built).unwrap());

@@ -47,7 +47,7 @@ pub(crate) struct Args {
     /// Write the model with the identified values to this file, unless Ctrl-C ended the search
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
-    /// Replace the file of --write-model, if it exists
+    /// Replace the file of --write-model and the page of --report, if they exist
     #[arg(long)]
     force: bool,
     /// Print one JSON document instead of tables
@@ -69,6 +69,7 @@ pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
     let model = args.task.calibrated(model, paths.iter().map(PathBuf::as_path))?;
     model.warnings.iter().for_each(output::warn);
     refuse_unused(&args)?;
+    output::check_page(args.report.as_deref(), args.force)?;
     match args.task.method {
         Method::Frf => return frf::run(&args, &model.model),
         #[cfg(feature = "exchange")]

@@ -36,6 +36,9 @@ pub(crate) struct Args {
     input: Option<String>,
     #[command(flatten)]
     task: Simulate,
+    /// Replace the recording to write, if it exists
+    #[arg(long)]
+    force: bool,
     /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
@@ -43,6 +46,9 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let kind = args.output.as_deref().map(OutputFormat::of).transpose()?;
+    if let Some(path) = &args.output {
+        output::check_free(path, args.force)?;
+    }
     if let (Some(input), Some(path)) = (&args.input, &args.output) {
         output::check_target_of(path, &Selection::parse(input)?, true)?;
     }

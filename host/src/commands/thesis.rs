@@ -20,12 +20,16 @@ pub(crate) struct Args {
     /// Write the page (index.html) and the numbers (thesis.json) into this folder
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
+    /// Replace the page of --report, if it exists
+    #[arg(long)]
+    force: bool,
     /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
 }
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    output::check_page(args.report.as_deref(), args.force)?;
     let report = socam_thesis::examine().map_err(anyhow::Error::msg)?;
     if let Some(dir) = &args.report {
         let json = format!("{}\n", serde_json::to_string_pretty(&report)?);

@@ -40,6 +40,9 @@ pub(crate) struct Args {
     /// Draw a picture into this file (.png), without a display
     #[arg(long, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
+    /// Replace the picture, if it exists
+    #[arg(long, requires = "screenshot")]
+    force: bool,
     /// View to begin with: live, time, frequency, check, identify (or parameters), diagnosis, watch, fleet
     #[arg(long, value_name = "VIEW", value_parser = view)]
     view: Option<View>,
@@ -96,6 +99,7 @@ pub(crate) struct Args {
 const PATIENCE: Duration = Duration::from_secs(600);
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
+    args.screenshot.iter().try_for_each(|path| output::check_free(path, args.force))?;
     let calibration = args.calibration.as_deref().map(Calibration::open).transpose()?;
     let layout = layout(&args)?;
     let size = layout.window;

@@ -56,6 +56,9 @@ pub(crate) struct Args {
     /// Write a page about the fleet
     #[arg(long, value_name = "PAGE.html")]
     report: Option<PathBuf>,
+    /// Replace the files of --report and --write-reference, if they exist
+    #[arg(long)]
+    force: bool,
     /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
@@ -69,6 +72,8 @@ fn shard(text: &str) -> Result<(usize, usize), String> {
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     check_rate("fdr", "--fdr", args.fdr)?;
     args.row.validate()?;
+    let named = args.report.iter().chain(&args.write_reference);
+    named.into_iter().try_for_each(|path| output::check_free(path, args.force))?;
     if args.merge {
         table::merge(&args.places, &args.output)?;
     } else if !diagnose(&args)? {
