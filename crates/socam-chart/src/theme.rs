@@ -15,6 +15,15 @@ pub enum Look {
     Dark,
 }
 
+impl From<Theme> for Look {
+    fn from(theme: Theme) -> Self {
+        match theme {
+            Theme::Light => Self::Light,
+            Theme::Dark => Self::Dark,
+        }
+    }
+}
+
 impl From<Look> for Theme {
     fn from(look: Look) -> Self {
         match look {

@@ -118,6 +118,15 @@ impl Dashboard {
         crate::layout::set_panels(ctx, &self.layout.panels);
     }
 
+    /// Takes the system's look, until the user chooses one.
+    fn follow_system(&mut self, ctx: &egui::Context) {
+        let system = ctx.system_theme().map(theme::Look::from);
+        if let Some(look) = system.filter(|look| !self.layout.look_is_chosen && *look != self.layout.look) {
+            self.layout.look = look;
+            theme::apply(ctx, look);
+        }
+    }
+
     /// Adds a recording that is in memory.
     pub fn add_recording(&mut self, recording: Recording) {
         let entry = Entry::new(recording, &self.workspace.entries);
@@ -198,6 +207,7 @@ impl Dashboard {
     /// Draws everything.
     pub fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
+        self.follow_system(&ctx);
         self.begin_to_open(&ctx);
         self.take_opened();
         self.take_saved();

@@ -30,6 +30,7 @@ pub fn picture(
 ) -> Result<ColorImage, String> {
     let ctx = egui::Context::default();
     dashboard.set_up(&ctx);
+    crate::platform::add_letters(&ctx);
     let mut raster = Raster::default();
     let begin = Instant::now();
     let mut passes = 0;

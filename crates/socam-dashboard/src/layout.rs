@@ -18,6 +18,8 @@ pub struct Layout {
     pub view: View,
     /// Light or dark.
     pub look: Look,
+    /// Whether the user chose the look; otherwise it follows the system's.
+    pub look_is_chosen: bool,
     /// Zoom factor; 1 is normal.
     pub zoom: f32,
     /// The folder that was last opened from.
@@ -53,6 +55,7 @@ impl Default for Layout {
         Self {
             view: View::Time,
             look: Look::Dark,
+            look_is_chosen: false,
             zoom: 1.0,
             folder: PathBuf::from("."),
             device: "sim".into(),

@@ -46,11 +46,12 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let kind = args.output.as_deref().map(OutputFormat::of).transpose()?;
-    if let Some(path) = &args.output {
-        output::check_free(path, args.force)?;
-    }
-    if let (Some(input), Some(path)) = (&args.input, &args.output) {
-        output::check_target_of(path, &Selection::parse(input)?, true)?;
+    match (&args.input, &args.output) {
+        (Some(input), Some(path)) => {
+            output::check_target_of(path, &Selection::parse(input)?, args.force)?;
+        }
+        (None, Some(path)) => output::check_free(path, args.force)?,
+        (_, None) => {}
     }
     match (&args.input, &args.output, kind) {
         (Some(input), _, kind) => compare(&args, input, kind),

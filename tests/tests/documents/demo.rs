@@ -8,7 +8,7 @@ use super::read;
 fn the_readme_shows_what_the_demo_prints() {
     let dir = tempfile::tempdir().unwrap();
     let folder = dir.path().join("demo");
-    let printed = run(["demo", folder.to_str().unwrap()]).done();
+    let printed = run(["demo", "--dir", folder.to_str().unwrap()]).done();
     let readme = read("README.md");
     let excerpt = readme.split_once("```text\n").and_then(|(_, rest)| rest.split_once("```")).unwrap().0;
     // How undetermined a parameter is depends on the machine's last digits.

@@ -68,6 +68,7 @@ impl Dashboard {
             Command::Show(view) => self.layout.view = view,
             Command::Theme => {
                 self.layout.look = if self.layout.look == Look::Light { Look::Dark } else { Look::Light };
+                self.layout.look_is_chosen = true;
                 theme::apply(ctx, self.layout.look);
             }
             Command::Larger => self.zoom(ctx, self.layout.zoom * 1.1),

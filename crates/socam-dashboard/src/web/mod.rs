@@ -14,5 +14,8 @@ pub use views::Views;
 /// Content of a file that can be opened.
 pub type Found = socam_workbench::document::Document;
 
+/// A page has no fonts of the system.
+pub(crate) fn add_letters(_ctx: &egui::Context) {}
+
 /// Whether a bench can be reached from here.
 pub(crate) const HAS_BENCH: bool = false;

@@ -8,6 +8,7 @@ use crate::fits::two_mass;
 use crate::sample;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use socam_chart::theme::Look;
 use socam_dashboard::spectra::ChartType;
 use socam_dashboard::{Dashboard, View};
 use socam_job::options::from_words;
@@ -153,4 +154,19 @@ fn a_response_has_the_settings_and_the_lines_of_its_command() {
     let lines = answer.response.lines.iter().map(|line| format!("{},{}", line.frequency_hz, line.coherence));
     assert_eq!(points.collect::<Vec<_>>(), lines.collect::<Vec<_>>());
     assert!(answer.response.lines.iter().all(|line| (2.0..=20.0).contains(&line.frequency_hz)));
+}
+
+#[test]
+fn the_window_follows_the_look_of_the_system_until_one_is_chosen() {
+    let mut window = window(Dashboard::default());
+    let look = |window: &mut Harness<'static, Dashboard>, system: egui::Theme| {
+        window.input_mut().system_theme = Some(system);
+        window.run_steps(3);
+        (window.state().layout.look, window.ctx.theme())
+    };
+    assert_eq!(look(&mut window, egui::Theme::Light), (Look::Light, egui::Theme::Light));
+    assert_eq!(look(&mut window, egui::Theme::Dark), (Look::Dark, egui::Theme::Dark));
+    window.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, egui::Key::L);
+    window.run_steps(3);
+    assert_eq!(look(&mut window, egui::Theme::Dark), (Look::Light, egui::Theme::Light));
 }

@@ -143,6 +143,7 @@ fn layout(args: &Args) -> anyhow::Result<Layout> {
     let mut layout = if args.screenshot.is_some() { Layout::default() } else { window::remembered() };
     if args.light || args.dark {
         layout.look = if args.light { Look::Light } else { Look::Dark };
+        layout.look_is_chosen = true;
     }
     if let Some(view) = args.view {
         layout.view = view;
