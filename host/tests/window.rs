@@ -218,7 +218,7 @@ fn a_picture_of_what_is_damaged_does_not_end_as_if_all_were_well() {
         let ended = program.args(words).current_dir(folder.path()).stdin(Stdio::null()).output().unwrap();
         (ended.status.code(), String::from_utf8(ended.stderr).unwrap())
     };
-    let draw = |file: &str| socam(&["dashboard", file, "--screenshot", "p.png"]);
+    let draw = |file: &str| socam(&["dashboard", file, "--screenshot", "p.png", "--force"]);
     let (code, said) = socam(&["simulate", "--profile", "steps", "--duration", "20s", "-o", "whole.mcap"]);
     assert_eq!(code, Some(0), "{said}");
     assert_eq!(draw("whole.mcap"), (Some(0), String::new()));
