@@ -42,6 +42,9 @@ pub const fn number(head: &'static str, width: f32) -> Column {
     Column { head, width, is_number: true }
 }
 
+/// Least part of its width that a column of text keeps in a narrow window, and the width below which it gives way no more, points.
+const LEAST_PART: f32 = 0.5;
+const LEAST_TEXT: f32 = 60.0;
 const HEAD: f32 = 22.0;
 const ROW: f32 = 23.0;
 
@@ -183,19 +186,34 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// First widths of the columns. Where there is less room than they want, those of text give way, if that is enough.
+    fn widths(&self, room: f32) -> Vec<f32> {
+        let over = self.columns.iter().map(|column| column.width).sum::<f32>() - room;
+        let can_give = |column: &Column| {
+            let least = (LEAST_PART * column.width).max(LEAST_TEXT);
+            if column.is_number { 0.0 } else { (column.width - least).max(0.0) }
+        };
+        let all: f32 = self.columns.iter().map(can_give).sum();
+        let share = if over <= 0.0 || over > all { 0.0 } else { over / all };
+        self.columns.iter().map(|column| column.width - share * can_give(column)).collect()
+    }
+
     fn builder<'b>(&self, ui: &'b mut Ui) -> TableBuilder<'b> {
+        let gaps = ui.spacing().item_spacing.x * self.columns.len().saturating_sub(1) as f32;
+        let widths = self.widths(ui.available_width() - gaps);
+        // Widths that were dragged are kept for a room of about this size.
+        let is_narrow = widths.iter().zip(self.columns).any(|(width, column)| *width < column.width);
         let mut builder = TableBuilder::new(ui)
-            .id_salt(self.name)
+            .id_salt((self.name, is_narrow))
             .striped(true)
             .auto_shrink([false, true])
             .max_scroll_height(self.most_height)
             .cell_layout(Layout::left_to_right(Align::Center));
-        for (index, column) in self.columns.iter().enumerate() {
+        for (index, width) in widths.into_iter().enumerate() {
             let is_last = index + 1 == self.columns.len();
-            let width =
-                if is_last { Width::remainder() } else { Width::initial(column.width).resizable(true) };
-            let least = if is_last { column.width } else { column.width.min(30.0) };
-            builder = builder.column(width.at_least(least).clip(true));
+            let column = if is_last { Width::remainder() } else { Width::initial(width).resizable(true) };
+            let least = if is_last { width } else { width.min(30.0) };
+            builder = builder.column(column.at_least(least).clip(true));
         }
         builder
     }
@@ -252,4 +270,19 @@ fn arrow(ui: &mut Ui, sorting: Option<Sorting>) {
     let corners =
         [Pos2::new(rect.left(), base), Pos2::new(rect.right(), base), Pos2::new(rect.center().x, tip)];
     ui.painter().add(Shape::convex_polygon(corners.to_vec(), theme::weak(ui), egui::Stroke::NONE));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_of_text_give_way_and_numbers_do_not() {
+        let columns = [text("name", 160.0), text("", 20.0), number("value", 90.0), text("what", 200.0)];
+        let table = Table::new("t", &columns);
+        assert_eq!(table.widths(600.0), [160.0, 20.0, 90.0, 200.0]);
+        assert_eq!(table.widths(380.0), [120.0, 20.0, 90.0, 150.0]);
+        // Where it is not enough, the table is cut or scrolled by its view.
+        assert_eq!(table.widths(200.0), [160.0, 20.0, 90.0, 200.0]);
+    }
 }
