@@ -36,6 +36,7 @@ pub(crate) fn run(mut args: Args) -> anyhow::Result<Outcome> {
     args.runs = output::expanded(&args.runs)?;
     args.task.validate()?;
     let model = args.task.load()?;
+    model.iter().flat_map(socam_model::Model::warnings).for_each(output::warn);
     let rules = args.rules.read()?;
     let mut kept = Vec::new();
     let mut outcome = Outcome::Done;

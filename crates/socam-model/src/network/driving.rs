@@ -1,7 +1,7 @@
 //! Laws of model files whose sign is probably wrong.
 
 use crate::{
-    Model, Motion, Quantity,
+    Model, Motion,
     effects::{ActsAt, Effect, LawInput, QuantityKind},
 };
 
@@ -37,7 +37,8 @@ fn torque_that_drives(model: &Model, effect: &'static Effect, values: &[f64]) ->
     let [law] = effect.laws() else { return None };
     let is_torque = |input: &LawInput| match input {
         LawInput::Channel { channel, .. } => {
-            model.channels.iter().any(|own| own.name == *channel && own.quantity == Quantity::Torque)
+            let unit = QuantityKind::Torque.unit(model.motion == Motion::Rotation);
+            model.channels.iter().any(|own| own.name == *channel && own.unit == unit)
         }
         _ => false,
     };
