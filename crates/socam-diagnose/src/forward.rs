@@ -114,8 +114,7 @@ impl Path {
             // The effect was chosen among all candidates; only the curves did not compete with it.
             (self.unexplained, self.unexamined) = (None, Some(Unexamined::Curves));
         }
-        if let Some(curve) = self.unexplained.clone() {
-            let curve = &curve;
+        if let Some(curve) = &self.unexplained.clone() {
             self.begin_part(context, "laws in the place of a curve", 0.8);
             let mut overlooked = self.overlooked(curve, &tried);
             // The effect chosen before the curve was fitted competes again.
@@ -136,8 +135,7 @@ impl Path {
                 return Ok(false);
             }
             if named.is_none() {
-                let place = curve.place.clone();
-                if self.exchange_laws_at(context, &place)? {
+                if self.exchange_laws_at(context, &curve.place)? {
                     self.unexplained = None;
                     return Ok(true);
                 }

@@ -72,8 +72,8 @@ fn shard(text: &str) -> Result<(usize, usize), String> {
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     check_rate("fdr", "--fdr", args.fdr)?;
     args.row.validate()?;
-    let named = args.report.iter().chain(&args.write_reference);
-    named.into_iter().try_for_each(|path| output::check_free(path, args.force))?;
+    let mut named = args.report.iter().chain(&args.write_reference);
+    named.try_for_each(|path| output::check_free(path, args.force))?;
     if args.merge {
         table::merge(&args.places, &args.output)?;
     } else if !diagnose(&args)? {
