@@ -204,9 +204,24 @@ fn painted(text: &str, colour: &str) -> String {
     if plain { text.into() } else { format!("\u{1b}[1;{colour}m{text}\u{1b}[0m") }
 }
 
-/// Refuses to write a page into a folder that has one, unless it may be replaced. Commands ask before they begin their work.
+/// Files that pages have beside their pictures.
+const PAGE_FILES: [&str; 10] = [
+    "index.html",
+    "diagnosis.json",
+    "model.toml",
+    "next.toml",
+    "comparison.json",
+    "thesis.json",
+    "response.json",
+    "response.csv",
+    "transfer.json",
+    "match.json",
+];
+
+/// Refuses to write a page into a folder that has a file of one, unless it may be replaced. Commands ask before they begin their work.
 pub(crate) fn check_page(folder: Option<&Path>, replace: bool) -> anyhow::Result<()> {
-    folder.map_or(Ok(()), |folder| check_free(&folder.join("index.html"), replace))
+    let mut files = folder.iter().flat_map(|folder| PAGE_FILES.map(|name| folder.join(name)));
+    files.try_for_each(|file| check_free(&file, replace))
 }
 
 /// Creates a file of this program's own that appears complete or not at all. It never replaces a recording.

@@ -228,8 +228,10 @@ fn an_output_that_cannot_be_written_leaves_nothing() {
 fn a_file_that_is_there_is_replaced_only_by_force() {
     let folder = Folder::new();
     let run = folder.file("run.csv", csv());
-    fs::create_dir(folder.path("page")).unwrap();
+    let folders = ["page", "bench"];
+    folders.iter().for_each(|name| fs::create_dir(folder.path(name)).unwrap());
     let theirs = [
+        ("bench/model.toml", vec!["diagnose", &run, "--model", "emps", "--report", "bench"]),
         ("page/index.html", vec!["thesis", "--report", "page"]),
         ("page/index.html", vec!["compare", &run, &run, "--report", "page"]),
         ("page/index.html", vec!["diagnose", &run, "--model", "emps", "--report", "page"]),
@@ -244,8 +246,9 @@ fn a_file_that_is_there_is_replaced_only_by_force() {
     ];
     for (target, arguments) in theirs {
         let path = folder.file(target, "written by hand");
-        let at =
-            |word: &str| if word == target || word == "page" { folder.path(word) } else { word.to_owned() };
+        let at = |word: &str| {
+            if word == target || folders.contains(&word) { folder.path(word) } else { word.to_owned() }
+        };
         let arguments: Vec<String> = arguments.into_iter().map(at).collect();
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         folder.refuses(FAILED, &arguments, &[target, "exists already", "--force"]);
