@@ -232,6 +232,7 @@ fn a_file_that_is_there_is_replaced_only_by_force() {
     folders.iter().for_each(|name| fs::create_dir(folder.path(name)).unwrap());
     let theirs = [
         ("bench/model.toml", vec!["diagnose", &run, "--model", "emps", "--report", "bench"]),
+        #[cfg(feature = "full")]
         ("page/index.html", vec!["thesis", "--report", "page"]),
         ("page/index.html", vec!["compare", &run, &run, "--report", "page"]),
         ("page/index.html", vec!["diagnose", &run, "--model", "emps", "--report", "page"]),
@@ -241,7 +242,9 @@ fn a_file_that_is_there_is_replaced_only_by_force() {
         ("mine.toml", vec!["design", "--model", "emps", "--duration", "1s", "-o", "mine.toml"]),
         ("mine.svg", vec!["efficiency", &run, "--map", "mine.svg"]),
         ("mine.svg", vec!["calibrate", &run, "--plot", "mine.svg"]),
+        #[cfg(feature = "full")]
         ("mine.html", vec!["fleet", ".", "--model", "emps", "-o", "fleet.parquet", "--report", "mine.html"]),
+        #[cfg(feature = "full")]
         ("mine.png", vec!["dashboard", &run, "--screenshot", "mine.png"]),
     ];
     for (target, arguments) in theirs {
