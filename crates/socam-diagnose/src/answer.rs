@@ -32,6 +32,10 @@ const INADEQUATE_CHANNEL: f64 = 2.0;
 /// models with a noisy input and coarse converters leave up to 1.09.
 pub const INADEQUATE: f64 = 1.2;
 
+/// Where something is left that has no name, it may be any effect, of a size beyond what the noise would hide.
+const NOT_EXAMINED: &str =
+    "the model leaves more than sensor noise, so that no effect is listed as looked for and not found";
+
 /// The document. `cpu_s` is the processor time that the diagnosis took, s.
 pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, IdentifyError> {
     let Inputs { context, path, before, after, floor, .. } = *inputs;
@@ -55,8 +59,13 @@ pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, Ide
     };
     let mut warnings = after.warnings.clone();
     warnings.extend(cautions(inputs, &findings));
+    let is_explained =
+        path.noise.excess() <= INADEQUATE && !findings.iter().any(|finding| finding.effect == UNEXPLAINED);
+    if is_finished && !is_explained {
+        warnings.push(NOT_EXAMINED.into());
+    }
     let held_out = held_out(inputs);
-    Ok(Diagnosis {
+    let mut document = Diagnosis {
         schema: SCHEMA.into(),
         verdict,
         false_alarm_rate: context.options.false_alarm_rate,
@@ -69,12 +78,13 @@ pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, Ide
         held_out,
         suggested_experiment: rivals::suggestion(&findings),
         findings,
+        answer: Vec::new(),
         fit: recordings::fit(inputs),
         parameters: parameters::parameters(before, after),
         combinations: parameters::combinations(before, after),
         candidates: why::fates(context, path)?,
         // What was tested before the search was ended may be found by the steps that were not made.
-        not_found: if is_finished { not_found::not_found(path) } else { Vec::new() },
+        not_found: if is_finished && is_explained { not_found::not_found(path) } else { Vec::new() },
         finished: is_finished,
         end: cutoff.map_or(SearchEnd::Completed, |(_, how)| match how.cause {
             Cause::Budget => SearchEnd::Budget,
@@ -87,7 +97,9 @@ pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, Ide
         recordings: recordings::recordings(inputs),
         version: env!("CARGO_PKG_VERSION").into(),
         overlay: None,
-    })
+    };
+    document.answer = socam_findings::answer::answer(&document);
+    Ok(document)
 }
 
 /// Warnings about what the answer does not show.
@@ -195,6 +207,8 @@ fn contradiction(path: &Path, floor: &[f64]) -> Option<Finding> {
         region: Region { text: "on the recordings that were fitted".into(), ..Region::default() },
         evidence: FindingEvidence::default(),
         rivals: Vec::new(),
+        richer: Vec::new(),
+        drag: Vec::new(),
         formulas: Vec::new(),
         sentence: format!(
             "The model misses {name} by {missed} {unit} (rms), {times:.1} times its noise floor (all channels: {} the power of \

@@ -7,6 +7,7 @@ use crate::{
     candidate::Candidate,
     context::{Context, FittedModel},
     criterion::{self, Scored},
+    drag,
     halving::{self, Finalist},
     journal::{self, Fate},
     scales::Scales,
@@ -135,11 +136,19 @@ pub(crate) fn among(
         return Ok(None);
     }
     let (candidate, p_value) = tried[*index].clone();
-    let rivals = rivals((context, path), tried, &fits, chosen, gained.log_score);
+    let (rivals, richer) = rivals((context, path), tried, &fits, chosen, gained.log_score);
     let finalist = finalists.iter().find(|one| one.index == *index);
     let deviance_reduction = finalist.map_or(0.0, |one| path.last.deviance() - one.at.total());
+    let excess_at_upgrade = f64::INFINITY;
+    // Laws there that predict as well.
+    let drag = |(other, at): &(usize, FittedModel)| {
+        let (law, less) = (&tried[*other].0, path.gain(fitted, at));
+        let is_as_good = law.place == candidate.place && less.log_score <= less.std;
+        drag::of_fit(path, at, law).filter(|_| is_as_good)
+    };
+    let drags = fits.iter().filter_map(drag).collect();
     let term =
-        Term { candidate, p_value, rivals, gain: gained, without: None, excess_at_upgrade: f64::INFINITY };
+        Term { candidate, p_value, rivals, richer, drags, gain: gained, without: None, excess_at_upgrade };
     Ok(Some(Choice { term, fitted: fitted.clone(), before, deviance_reduction, noise }))
 }
 
@@ -168,37 +177,37 @@ fn simplest(path: &Path, before: &FittedModel, fits: &[(usize, FittedModel)]) ->
     (0..fits.len()).filter(is_near).min_by(order)
 }
 
-/// Weights of all fitted candidates except the chosen effect, the largest first.
+/// Candidates with their weights, or with their shares of a weight.
+type Weighted = Vec<(Candidate, f64)>;
+
+/// Weights of all fitted candidates except the chosen effect, the largest first; and of the laws that contain the chosen one and gain nothing
+/// over it, which are no competitors, their shares of its own weight.
 fn rivals(
     (context, path): (&Context<'_>, &Path),
     tried: &[(Candidate, f64)],
     fits: &[(usize, FittedModel)],
     chosen: usize,
     gained: f64,
-) -> Vec<(Candidate, f64)> {
-    let scored: Vec<Scored<'_>> = fits
-        .iter()
-        .map(|(_, fitted)| Scored {
-            validation: &fitted.validation,
-            log_prior: path.priors.log_prior(fitted),
-        })
-        .collect();
+) -> (Weighted, Weighted) {
+    let scored: Vec<Scored<'_>> = fits.iter().map(|(_, fitted)| path.scored(fitted)).collect();
     let weights = criterion::weights(&scored, gained, context.options.seed);
     let own = &tried[fits[chosen].0].0;
-    // A law that contains the chosen one and gains nothing over it is not a competitor.
     let is_redundant = |index: usize, fitted: &FittedModel| {
         let more = path.gain(fitted, &fits[chosen].1);
         tried[index].0.contains(own) && more.log_score <= more.std
     };
-    let others = fits.iter().zip(weights).filter(|((index, fitted), _)| !is_redundant(*index, fitted));
-    let others = others.map(|((index, _), weight)| (tried[*index].0.clone(), weight));
-    let mut rivals: Vec<(Candidate, f64)> = Vec::new();
-    for (candidate, weight) in others.filter(|(candidate, _)| !candidate.is_same(own)) {
-        match rivals.iter_mut().find(|(known, _)| known.is_same(&candidate)) {
+    let (mut rivals, mut richer) = (Weighted::new(), Weighted::new());
+    let others = fits.iter().zip(weights).filter(|((index, _), _)| !tried[*index].0.is_same(own));
+    for ((index, fitted), weight) in others {
+        let candidate = &tried[*index].0;
+        let list = if is_redundant(*index, fitted) { &mut richer } else { &mut rivals };
+        match list.iter_mut().find(|(known, _)| known.is_same(candidate)) {
             Some((_, known)) => *known += weight,
-            None => rivals.push((candidate, weight)),
+            None => list.push((candidate.clone(), weight)),
         }
     }
     rivals.sort_by(|a, b| b.1.total_cmp(&a.1));
-    rivals
+    let own = 1.0 - rivals.iter().map(|(_, weight)| weight).sum::<f64>();
+    richer.iter_mut().for_each(|(_, weight)| *weight /= own.max(f64::MIN_POSITIVE));
+    (rivals, richer)
 }

@@ -8,7 +8,7 @@ use crate::{
     candidate::Candidate,
     candidates,
     context::{self, Context, FittedModel},
-    criterion,
+    criterion, drag,
     extension::carried_over,
     halving,
     journal::{self, Fate},
@@ -135,8 +135,10 @@ impl Path {
             let is_needed = Self::is_better(&self.noise, gained, (&self.last, &fitted))
                 && gained.log_score > self.least_gain_over(index)(&simpler);
             if !is_needed {
-                self.last = fitted;
+                let richer = self.terms[index].candidate.clone();
+                let rich = std::mem::replace(&mut self.last, fitted);
                 self.take_law(context, index, simpler);
+                self.keep_richer(context, index, (richer, &rich), &self.last.clone());
                 break;
             }
         }
@@ -228,6 +230,7 @@ impl Path {
         let Some((after, before)) = after.zip(before).filter(|_| !context.stops()) else { return Ok(false) };
         let gained = self.gain(&after, &before);
         if gained.log_score <= gained.std.max(least(&candidate)) {
+            self.keep_richer(context, index, (candidate, &after), &before);
             return Ok(false);
         }
         (self.last, self.noise) = (after, noise);
@@ -247,7 +250,28 @@ impl Path {
             context.journal.note(&term.candidate, Fate::Replaced { by: journal::named(&law) });
         }
         term.rivals.retain(|(rival, _)| !rival.is_same(&law));
+        term.richer.retain(|(richer, _)| !richer.is_same(&law) && richer.contains(&law));
         term.candidate = law;
+    }
+
+    /// Notes a law that contains a term's law, and that did not take its place, with its share of the term's weight; `rich` and `simple` are
+    /// the models with the two laws. Another form of the same effect has the same name, and is not noted.
+    fn keep_richer(
+        &mut self,
+        context: &Context<'_>,
+        index: usize,
+        (law, rich): (Candidate, &FittedModel),
+        simple: &FittedModel,
+    ) {
+        let models = [self.scored(simple), self.scored(rich)];
+        let share = criterion::weights(&models, self.terms[index].gain.log_score, context.options.seed)[1];
+        let drag = drag::of_fit(self, rich, &law);
+        let term = &mut self.terms[index];
+        term.drags.extend(drag);
+        term.richer.retain(|(known, _)| !known.is_same(&law));
+        if !term.candidate.is_same(&law) {
+            term.richer.push((law, share));
+        }
     }
 
     /// Replaces a term's law in the last model by another law, fits a few rounds from each of several starts to an excerpt of long recordings,

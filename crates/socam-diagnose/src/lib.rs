@@ -39,6 +39,7 @@ mod choice;
 mod context;
 mod criterion;
 mod diagnose;
+mod drag;
 mod elimination;
 mod equivalence;
 mod error;

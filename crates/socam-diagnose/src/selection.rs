@@ -12,7 +12,8 @@ use socam_recording::Dataset;
 use crate::{
     candidate::Candidate,
     context::{Context, FAR_BEYOND_NOISE, FittedModel},
-    criterion::{self, Difference},
+    criterion::{self, Difference, Scored},
+    drag::Drags,
     equivalence::equivalents,
     extension::carried_over,
     nonparametric::term::Unexplained,
@@ -63,6 +64,10 @@ pub(crate) struct Term {
     pub(crate) p_value: f64,
     /// Competing models and their weights. The term's own weight is one minus their sum.
     pub(crate) rivals: Vec<(Candidate, f64)>,
+    /// Laws that contain the term's law and predict no better than it by more than it may be wrong by, and their shares of the term's own weight.
+    pub(crate) richer: Vec<(Candidate, f64)>,
+    /// Drag of the term's bearing by other laws in its place that predict as well.
+    pub(crate) drags: Vec<Drags>,
     /// Gain of the last model over the model without this term.
     pub(crate) gain: Difference,
     /// The last model without this term, at its fit.
@@ -109,6 +114,11 @@ impl Path {
             || is_far
                 && gained.log_score > 0.0
                 && criterion::leaves_less(&after.validation, &before.validation)
+    }
+
+    /// A model with its prior, for a comparison.
+    pub(crate) fn scored<'a>(&self, fitted: &'a FittedModel) -> Scored<'a> {
+        Scored { validation: &fitted.validation, log_prior: self.priors.log_prior(fitted) }
     }
 
     /// Number of added effects. Several orders of one effect at one place count once.

@@ -2,6 +2,7 @@
 //!
 //! All quantities are SI. Unknown and non-finite numbers are `None` (null).
 
+mod answer;
 mod candidate;
 mod finding;
 mod in_order;
@@ -9,9 +10,10 @@ mod overlay;
 
 use serde::{Deserialize, Serialize};
 
+pub use answer::{AnswerNode, Level};
 pub use candidate::{CandidateFate, Stage, Trial};
 pub use finding::{
-    Component, Curve, EffectParameter, Finding, FindingEvidence, Over, Region, Rival, RivalFormula,
+    Component, Curve, Drag, EffectParameter, Finding, FindingEvidence, Over, Region, Rival, RivalFormula,
 };
 pub use overlay::Overlay;
 
@@ -50,6 +52,10 @@ pub struct Diagnosis {
     pub held_out: Option<HeldOut>,
     /// Findings, strongest first; unique in effect and location.
     pub findings: Vec<Finding>,
+    /// The answer as deep as the recordings go: for each finding the nodes that together hold what is missing, see [`crate::answer`]. Empty for
+    /// steady states, and in documents of versions before it.
+    #[serde(default)]
+    pub answer: Vec<AnswerNode>,
     /// Fit of the model before and after the correction.
     pub fit: Fit,
     /// The base model's parameters before and after the correction, in the order of the model.

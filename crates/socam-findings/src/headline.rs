@@ -68,7 +68,8 @@ pub struct Claim {
 /// The headline of a diagnosis.
 #[must_use]
 pub fn headline(diagnosis: &Diagnosis) -> Headline {
-    let claims: Vec<Claim> = diagnosis.findings.iter().map(claim::claim).collect();
+    let claims: Vec<Claim> =
+        diagnosis.findings.iter().map(|finding| claim::claim(diagnosis, finding)).collect();
     let failed = matches!(Proof::of(diagnosis), Proof::Failed(_));
     let tone = match diagnosis.verdict {
         Verdict::Adequate => Tone::Adequate,
@@ -105,9 +106,9 @@ fn title(diagnosis: &Diagnosis, tone: Tone) -> String {
         .iter()
         .filter(|finding| finding.counts())
         .partition(|finding| finding.effect == UNEXPLAINED);
-    let named: Vec<String> = named.into_iter().map(claim::what).collect();
+    let named: Vec<String> = named.into_iter().map(|finding| claim::what(diagnosis, finding)).collect();
     let ordinary = diagnosis.findings.iter().filter(|finding| finding.evidence.ordinary.is_some());
-    let ordinary: Vec<String> = ordinary.map(claim::what).collect();
+    let ordinary: Vec<String> = ordinary.map(|finding| claim::what(diagnosis, finding)).collect();
     let places: Vec<String> = nameless.into_iter().map(|finding| finding.location.clone()).collect();
     let places = words::list(&places, "and");
     let at = if places.is_empty() { String::new() } else { format!(" at {places}") };

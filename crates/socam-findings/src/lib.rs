@@ -4,6 +4,7 @@
 //!
 //! Quantities are in SI, with the unit in the name. A translational model reads N for N m, m for rad and kg for kg m².
 
+pub mod answer;
 pub mod document;
 pub mod evidence;
 pub mod headline;

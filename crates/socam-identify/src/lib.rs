@@ -113,6 +113,7 @@ pub use report::{
 pub use socam_model::Intersample;
 pub use uncertainty::{
     combinations::{combination_values, pairs as springs_in_series},
+    covariance::Uncertainty,
     information::Information,
 };
 pub use validation::{BandFits, Document, ForceError, Validation, force_errors, validate};

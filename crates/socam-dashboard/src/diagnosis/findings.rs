@@ -102,6 +102,10 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, proof: Proof<'_>, se
             parameter_lines(ui, &component.parameters);
             ui.add_space(2.0);
         }
+        for drag in &finding.drag {
+            let size = numbers::quantity(Some(drag.torque), drag.ci95, &drag.torque_unit);
+            ui.add(egui::Label::new(format!("{}: {size}, with the bearing's damping", drag.name())).wrap());
+        }
         if !finding.region.text.is_empty() {
             ui.label(RichText::new(format!("acts {}", finding.region.text)).color(theme::weak(ui)));
         }
@@ -115,7 +119,7 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, proof: Proof<'_>, se
         if !text.is_empty() {
             ui.label(RichText::new(text.join(", ")).small().color(theme::weak(ui)));
         }
-        if !finding.rivals.is_empty() {
+        if !finding.rivals.is_empty() || !finding.richer.is_empty() {
             ui.add_space(3.0);
             ui.label(RichText::new("Competing explanations, with their weights").strong().small());
             for rival in &finding.rivals {
@@ -124,6 +128,13 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, proof: Proof<'_>, se
                     words::effect(&rival.effect),
                     rival.location,
                     socam_plot::words::percent(rival.weight)
+                ));
+            }
+            for law in &finding.richer {
+                ui.label(format!(
+                    "{} there, which contains it and predicts as well: {}",
+                    words::effect(&law.effect),
+                    socam_plot::words::percent(law.weight)
                 ));
             }
         }

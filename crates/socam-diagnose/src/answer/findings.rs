@@ -10,7 +10,7 @@ use super::{inputs::Inputs, rivals::rivals};
 use crate::{
     candidate::Candidate,
     document::{Component, EffectParameter, Finding, FindingEvidence, Region, UNEXPLAINED},
-    materiality,
+    drag, materiality,
     nonparametric::{formula::FoundFormula, term::Unexplained},
     proof::Proof,
     region,
@@ -59,6 +59,7 @@ fn finding(inputs: &Inputs<'_>, index: usize) -> Finding {
     let term = &path.terms[index];
     let parameters = effect_parameters(path, index, after);
     let place = &term.candidate.place;
+    let (rivals, richer) = rivals(path, term, &path.equivalent(context, index));
     Finding {
         effect: term.candidate.effect.id.into(),
         location: place.clone(),
@@ -73,7 +74,9 @@ fn finding(inputs: &Inputs<'_>, index: usize) -> Finding {
             log_score_gain: Some([term.gain.log_score, term.gain.std]),
             ..FindingEvidence::default()
         },
-        rivals: rivals(path, term, &path.equivalent(context, index)),
+        rivals,
+        richer,
+        drag: after.joint.as_ref().map_or_else(Vec::new, |joint| drag::of_term(path, term, joint)),
         formulas: Vec::new(),
     }
 }
@@ -99,6 +102,8 @@ fn unexplained(path: &Path, found: &Unexplained, proof: Option<&Proof>) -> Findi
             ..FindingEvidence::default()
         },
         rivals: Vec::new(),
+        richer: Vec::new(),
+        drag: Vec::new(),
         formulas: found.formula.as_ref().map_or_else(Vec::new, |own| own.rivals.clone()),
     }
 }
@@ -200,6 +205,8 @@ mod tests {
                 ..FindingEvidence::default()
             },
             rivals: Vec::new(),
+            richer: Vec::new(),
+            drag: Vec::new(),
             formulas: Vec::new(),
         }
     }

@@ -12,9 +12,9 @@ const LEAST_WEIGHT: f64 = 1e-2;
 /// Least weight of a competing model for which another experiment is suggested.
 const OPEN: f64 = 0.05;
 
-/// Competing models with their weights, the largest first. Observationally equivalent effects share the finding's own weight. Effects that
-/// are terms of the path are not competitors.
-pub(super) fn rivals(path: &Path, term: &Term, equivalent: &[Candidate]) -> Vec<Rival> {
+/// Competing models with their weights, the largest first, and the laws that contain the finding's own, with their parts of its weight.
+/// Observationally equivalent effects share the finding's own weight. Effects that are terms of the path are not competitors.
+pub(super) fn rivals(path: &Path, term: &Term, equivalent: &[Candidate]) -> (Vec<Rival>, Vec<Rival>) {
     let is_equivalent = |rival: &Candidate| equivalent.iter().any(|other| other.is_same(rival));
     let others: Vec<&(Candidate, f64)> =
         term.rivals.iter().filter(|(rival, _)| !is_equivalent(rival) && !path.has(rival)).collect();
@@ -24,14 +24,20 @@ pub(super) fn rivals(path: &Path, term: &Term, equivalent: &[Candidate]) -> Vec<
         .iter()
         .map(|other| (other, share))
         .chain(others.iter().map(|(rival, weight)| (rival, *weight)));
-    let named = all.map(|(candidate, weight)| Rival {
+    let richer = term.richer.iter().filter(|(law, _)| !path.has(law)).map(|(law, part)| (law, part * share));
+    (listed(all), listed(richer))
+}
+
+/// Candidates whose weight matters, the largest first.
+fn listed<'a>(candidates: impl Iterator<Item = (&'a Candidate, f64)>) -> Vec<Rival> {
+    let all = candidates.map(|(candidate, weight)| Rival {
         effect: candidate.effect.id.into(),
         location: candidate.place.clone(),
         weight,
     });
-    let mut named: Vec<Rival> = named.filter(|rival| rival.weight > LEAST_WEIGHT).collect();
-    named.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    named
+    let mut all: Vec<Rival> = all.filter(|rival| rival.weight > LEAST_WEIGHT).collect();
+    all.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    all
 }
 
 /// The next experiment: one that distinguishes the first open finding from its competitors, or else one that shows an unnamed curve better.

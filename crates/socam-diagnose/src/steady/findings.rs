@@ -55,6 +55,8 @@ pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option
             region,
             evidence,
             rivals: Vec::new(),
+            richer: Vec::new(),
+            drag: Vec::new(),
             formulas: Vec::new(),
             sentence: format!("{observed}: {}", without_a_name(model, outcome)),
             equation: String::new(),
@@ -78,6 +80,8 @@ pub(super) fn finding(model: &Model, outcome: &Outcome<'_>, points: &[Vec<Option
         region,
         evidence,
         rivals: rivals(model, outcome, points),
+        richer: Vec::new(),
+        drag: Vec::new(),
         formulas: Vec::new(),
     }
 }

@@ -125,6 +125,7 @@ pub fn diagnose_steady(
         validation: Validation::Blocks,
         suggested_experiment: experiment::steady(&findings),
         findings,
+        answer: Vec::new(),
         fit: Fit { channels: outcomes.iter().map(|outcome| findings::fit(model, outcome)).collect() },
         parameters,
         combinations: Vec::new(),

@@ -1,6 +1,7 @@
 //! A finding of a diagnosis: one piece of missing physics.
 
 use serde::{Deserialize, Serialize};
+use socam_plot::words;
 
 /// One piece of missing physics.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -11,6 +12,10 @@ pub struct Finding {
     pub location: String,
     /// Its parameters; those of the strongest where there are several `components`.
     pub parameters: Vec<EffectParameter>,
+    /// Of friction at a bearing, what its laws share: the steady torque against the motion at a tenth, half and nine tenths of the largest speed.
+    /// Empty for other effects.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drag: Vec<Drag>,
     /// All orders of an effect that has several, strongest first; empty where there is one.
     pub components: Vec<Component>,
     /// Measured shape of the missing torque or channel error, where there is one.
@@ -21,6 +26,10 @@ pub struct Finding {
     pub evidence: FindingEvidence,
     /// Rivals (competing explanations), most likely first, without the finding itself.
     pub rivals: Vec<Rival>,
+    /// Laws that contain the finding's law and predict no better by more than that law may be wrong by; their weight is part of the
+    /// finding's own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub richer: Vec<Rival>,
     /// Other formulas that were fitted in the place of the `curve`, where `equation` is a formula for it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub formulas: Vec<RivalFormula>,
@@ -41,6 +50,30 @@ pub struct EffectParameter {
     pub unit: String,
     /// 95 % interval, SI; an open end is `None`.
     pub ci95: [Option<f64>; 2],
+}
+
+/// Steady torque against the motion of a bearing at a speed, by all laws there and the bearing's damping. Laws of one family differ in
+/// their coefficients more than in this.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Drag {
+    /// The speed.
+    pub speed: f64,
+    /// SI unit of the speed.
+    pub speed_unit: String,
+    /// The torque, SI.
+    pub torque: f64,
+    /// SI unit of the torque.
+    pub torque_unit: String,
+    /// 95 % interval, SI.
+    pub ci95: [Option<f64>; 2],
+}
+
+impl Drag {
+    /// Its name in a list of parameters: "drag at 1.20 rad/s".
+    #[must_use]
+    pub fn name(&self) -> String {
+        format!("drag at {} {}", words::number(Some(self.speed)), words::unit(&self.speed_unit))
+    }
 }
 
 /// One of several orders of an effect.

@@ -1,7 +1,8 @@
 //! The certainty of a diagnosis, in sentences.
 
 use super::{Claim, MARKED, claim};
-use crate::document::{Diagnosis, Finding, UNEXPLAINED};
+use crate::answer;
+use crate::document::{Diagnosis, Finding, Level, UNEXPLAINED};
 use crate::proof::Proof;
 use crate::words;
 
@@ -30,15 +31,42 @@ pub(super) fn sentences(diagnosis: &Diagnosis, claims: &[Claim]) -> Vec<String> 
     let several = diagnosis.findings.len() > 1;
     for (index, (finding, claim)) in diagnosis.findings.iter().zip(claims).enumerate() {
         let number = several.then_some(index + 1);
-        all.extend(rivals(finding, claim, number));
+        let probable = probable(diagnosis, finding, number);
+        all.extend(probable.or_else(|| rivals(finding, claim, number)));
         all.extend(ordinary(finding, claim));
     }
     let named = diagnosis.findings.iter().any(|finding| finding.effect != UNEXPLAINED);
-    if named && diagnosis.findings.iter().all(|finding| finding.rivals.is_empty()) {
+    let is_weighed = !diagnosis.answer.is_empty();
+    if is_weighed {
+        all.push("Probabilities are frequencies on the benches of the challenge; on other machines they may differ.".into());
+    } else if named && diagnosis.findings.iter().all(|finding| finding.rivals.is_empty()) {
         all.push("No other explanation that was fitted comes close.".into());
     }
     all.extend(worst.and_then(left));
     all
+}
+
+/// What a finding is as deep as the recordings go, and the law that was fitted, with their probabilities.
+fn probable(diagnosis: &Diagnosis, finding: &Finding, number: Option<usize>) -> Option<String> {
+    let nodes = answer::of_finding(diagnosis, finding);
+    let together: f64 = nodes.iter().map(|node| node.probability).sum();
+    let level = nodes.first()?.level;
+    let head = number.map_or_else(String::new, |number| format!("Finding {number}: "));
+    let each: Vec<String> = nodes.iter().map(|node| words::percent(node.probability)).collect();
+    let each = if each.len() > 1 { format!(" ({})", words::list(&each, "and")) } else { String::new() };
+    let own = answer::of_its_law(diagnosis, finding);
+    let own = if level < Level::Law && own > 0.0 {
+        let fitted = format!("{} at {}", words::effect(&finding.effect), finding.location);
+        format!(", with {} {fitted}", words::percent(own))
+    } else {
+        String::new()
+    };
+    let text = format!(
+        "with a probability of {} it is {}{each}{own}",
+        words::percent(together),
+        claim::common(&nodes)
+    );
+    Some(sentence(&head, &text))
 }
 
 /// The weights of a finding and of its competing explanations; `number` is the finding's, where there are several.

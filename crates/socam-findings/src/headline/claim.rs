@@ -3,20 +3,31 @@
 use socam_model::effects;
 
 use super::{Claim, TIE};
-use crate::document::{EffectParameter, Finding, Rival, UNEXPLAINED};
+use crate::answer;
+use crate::document::{AnswerNode, Diagnosis, EffectParameter, Finding, Level, Rival, UNEXPLAINED};
 use crate::words;
 
 /// Greatest number of explanations that are named one by one.
 const NAMED: usize = 4;
 
 /// One line about a finding.
-pub(super) fn claim(finding: &Finding) -> Claim {
-    Claim { what: what(finding), size: size(finding), tied: explanations(finding).len() > 1 }
+pub(super) fn claim(diagnosis: &Diagnosis, finding: &Finding) -> Claim {
+    let laws = explanations(diagnosis, finding);
+    Claim {
+        what: what(diagnosis, finding),
+        size: size(finding, &laws, is_shallow(diagnosis, finding)),
+        tied: laws.len() > 1,
+    }
 }
 
-/// Effect and place of a finding, with those of all explanations that tie.
-pub(super) fn what(finding: &Finding) -> String {
-    let all = explanations(finding);
+/// A finding with its place, as deep as the recordings go: the laws that tie, or what they have in common, where they are too many.
+pub(super) fn what(diagnosis: &Diagnosis, finding: &Finding) -> String {
+    if is_shallow(diagnosis, finding) {
+        let common = common(&answer::of_finding(diagnosis, finding));
+        let fitted = together(&[&finding.effect], &[&finding.location]);
+        return format!("{common}, fitted as {fitted}");
+    }
+    let all = explanations(diagnosis, finding);
     let (shown, more) = (&all[..all.len().min(NAMED)], all.len().saturating_sub(NAMED));
     let (effects, places) = distinct(shown);
     let text = if shown.len() == effects.len() * places.len() {
@@ -29,6 +40,27 @@ pub(super) fn what(finding: &Finding) -> String {
         effects.iter().map(of).collect::<Vec<_>>().join(", or ")
     };
     if more > 0 { format!("{text}, or one of {more} other explanations") } else { text }
+}
+
+/// Whether the recordings leave open which law a named finding is.
+fn is_shallow(diagnosis: &Diagnosis, finding: &Finding) -> bool {
+    let nodes = answer::of_finding(diagnosis, finding);
+    finding.effect != UNEXPLAINED && nodes.first().is_some_and(|node| node.level < Level::Law)
+}
+
+/// Families, or sides, with their places: "friction, drag or a loss at motor_bearing or load_bearing".
+pub(super) fn common(nodes: &[&AnswerNode]) -> String {
+    let mut kinds: Vec<(&str, Vec<String>)> = Vec::new();
+    for (kind, place) in nodes.iter().map(|node| node.parts()) {
+        match kinds.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, places)) => places.push(place.to_owned()),
+            None => kinds.push((kind, vec![place.to_owned()])),
+        }
+    }
+    let each = kinds
+        .iter()
+        .map(|(kind, places)| format!("{} at {}", answer::words(kind), words::list(places, "or")));
+    each.collect::<Vec<_>>().join("; or ")
 }
 
 /// Weight of a finding beside its competing explanations, 0 to 1.
@@ -45,11 +77,12 @@ pub(super) fn ties(finding: &Finding) -> impl Iterator<Item = &Rival> {
     finding.rivals.iter().filter(move |rival| rival.weight >= least && finding.effect != UNEXPLAINED)
 }
 
-/// Effect and place of a finding, then of each explanation that ties, each once.
-fn explanations(finding: &Finding) -> Vec<(&str, &str)> {
+/// Effect and place of a finding, then of each explanation that ties or that the answer lists, each once.
+fn explanations<'a>(diagnosis: &'a Diagnosis, finding: &'a Finding) -> Vec<(&'a str, &'a str)> {
     let mut all = vec![(finding.effect.as_str(), finding.location.as_str())];
-    for rival in ties(finding) {
-        let own = (rival.effect.as_str(), rival.location.as_str());
+    let nodes = answer::of_finding(diagnosis, finding).into_iter().filter(|node| node.level == Level::Law);
+    let ties = ties(finding).map(|rival| (rival.effect.as_str(), rival.location.as_str()));
+    for own in ties.chain(nodes.map(AnswerNode::parts)) {
         if !all.contains(&own) {
             all.push(own);
         }
@@ -91,7 +124,7 @@ fn noun(effects: &[&str]) -> Option<&'static str> {
 }
 
 /// The parameters that measure the size of a finding, with units and intervals.
-fn size(finding: &Finding) -> Option<String> {
+fn size(finding: &Finding, laws: &[(&str, &str)], is_shallow: bool) -> Option<String> {
     let amplitudes = effects::find(&finding.effect).map_or(&[][..], |effect| effect.amplitude.parameters);
     let is_amplitude = |own: &&EffectParameter| amplitudes.contains(&own.name.as_str());
     let mut shown: Vec<&EffectParameter> = finding.parameters.iter().filter(is_amplitude).collect();
@@ -108,9 +141,10 @@ fn size(finding: &Finding) -> Option<String> {
     if finding.components.len() > 1 {
         size.push_str(&format!(", the largest of {} orders", finding.components.len()));
     }
-    let all = explanations(finding);
-    let (effects, places) = distinct(&all);
+    let (effects, places) = distinct(laws);
     match (effects.len() > 1, places.len() > 1) {
+        // The words before the size say what it was fitted as.
+        _ if is_shallow => {}
         (false, false) => {}
         (true, false) => size.push_str(&format!(", if it is {}", words::effect(&finding.effect))),
         (false, true) => size.push_str(&format!(", if at {}", finding.location)),

@@ -60,6 +60,7 @@ impl Regression {
             iterations: 1,
             cpu_s: self.cpu_s,
             parameters: estimates.collect(),
+            joint: None,
             combinations: Vec::new(),
             nuisance: Vec::new(),
             fit,

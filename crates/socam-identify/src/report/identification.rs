@@ -2,7 +2,10 @@
 
 use serde::Serialize;
 
-use crate::{between::Between, optimiser::descent::End, preprocessing::mask::LeftOut};
+use crate::{
+    between::Between, optimiser::descent::End, preprocessing::mask::LeftOut,
+    uncertainty::covariance::Uncertainty,
+};
 
 /// Version of [`Identification`]'s JSON form.
 pub const SCHEMA: &str = "socam.identification/1";
@@ -190,6 +193,9 @@ pub struct Identification {
     pub cpu_s: f64,
     /// All parameters of the model, in its order.
     pub parameters: Vec<ParameterEstimate>,
+    /// Covariance of the estimates, for functions of them; `None` for inverse dynamics.
+    #[serde(skip)]
+    pub joint: Option<Uncertainty>,
     /// Combinations.
     pub combinations: Vec<CombinationEstimate>,
     /// Sensor offsets, one per channel and uninterrupted segment.

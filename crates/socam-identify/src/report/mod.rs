@@ -118,6 +118,7 @@ pub(crate) fn identification(
         parameters,
         nuisance: offsets(problem, &descent.point.nuisance, results, &uncertainty, &weights.scales),
         fit,
+        joint: Some(uncertainty),
         fit_verdict: Some(verdict.explained),
         misfit: verdict::misfit(problem, &channels, results, &weights, &sensor_noise),
         verdict: Some(verdict),

@@ -19,7 +19,10 @@ const RANK_TOLERANCE: f64 = 1e-12;
 
 /// Covariance W Q W' of the free parameters, SI, kept as factors: along a sloppy direction the entries of the product cancel to ten digits
 /// and more.
-pub(crate) struct Uncertainty {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uncertainty {
+    /// Indices of the free parameters in the model.
+    free: Vec<usize>,
     /// W W' is the inverse information.
     root: Mat<f64>,
     /// Q, the meat of the sandwich estimate; the identity for white residuals.
@@ -46,7 +49,7 @@ impl Uncertainty {
         let factor =
             relative(&crate::optimiser::factors::information_factor(problem, point, &weights, results));
         let Some(Directions { inverse, informed }) = Directions::of(&factor) else {
-            return Self::unknown(free);
+            return Self::unknown(problem);
         };
         let scores: Vec<Vec<Vec<f64>>> = results.iter().map(|result| profiled_scores(result, free)).collect();
         let blocks = scores.iter().map(Vec::len).sum::<usize>();
@@ -73,7 +76,7 @@ impl Uncertainty {
         let noise = product(product(inverse.transpose(), &noise), &inverse);
         let inverse = Mat::from_fn(free, free, |i, k| inverse[(i, k)] * sizes[i]);
         let root = product(&inverse, errors_in_variables(&noise));
-        Self { root, meat, quantile }
+        Self { free: problem.free.clone(), root, meat, quantile }
     }
 
     /// Covariance for white residuals, from a factor over [free parameters, scaled | residual].
@@ -83,11 +86,12 @@ impl Uncertainty {
         let relative = Mat::from_fn(factor.nrows(), free, |i, j| factor[(i, j)] * sizes[j] / scales[j]);
         match Directions::of(&relative) {
             Some(directions) => Self {
+                free: problem.free.clone(),
                 root: Mat::from_fn(free, free, |i, k| directions.inverse[(i, k)] * sizes[i]),
                 meat: Mat::identity(free, free),
                 quantile: 1.96,
             },
-            None => Self::unknown(free),
+            None => Self::unknown(problem),
         }
     }
 
@@ -99,10 +103,23 @@ impl Uncertainty {
         if variance.is_nan() { f64::INFINITY } else { variance.max(0.0).sqrt() }
     }
 
+    /// Half width of the 95 % interval of a function of the model's parameters, given its derivatives by their indices (the delta method).
+    /// Parameters that were not estimated count as known.
+    ///
+    /// Breaks when the function bends much within the intervals of its parameters.
+    #[must_use]
+    pub fn half_width(&self, gradient: &[(usize, f64)]) -> f64 {
+        let own = gradient.iter().filter_map(|(index, derivative)| {
+            Some((self.free.iter().position(|free| free == index)?, *derivative))
+        });
+        self.quantile * self.std(&own.collect::<Vec<_>>())
+    }
+
     /// Covariance without any information.
-    fn unknown(free: usize) -> Self {
+    fn unknown(problem: &Problem<'_>) -> Self {
+        let free = problem.free.len();
         let root = Mat::from_fn(free, free, |i, j| if i == j { 1e150 } else { 0.0 });
-        Self { root, meat: Mat::identity(free, free), quantile: 1.96 }
+        Self { free: problem.free.clone(), root, meat: Mat::identity(free, free), quantile: 1.96 }
     }
 
     pub(crate) fn covariance(&self, i: usize, j: usize) -> f64 {

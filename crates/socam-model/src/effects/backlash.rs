@@ -2,7 +2,7 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
+        Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Family, Form, Law, LawInput,
         Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
         begin_with_little,
     },
@@ -18,6 +18,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "backlash",
     name: "backlash",
     acts_at: ActsAt::Gear,
+    family: Family::Elastic,
     places: Places::Every,
     parameters: &[
         EffectParameter::new("gap", QuantityKind::Angle, POSITIVE),

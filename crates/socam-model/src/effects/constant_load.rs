@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        Linearisation, Places, Prior, QuantityKind, Rule, Steady, all_zero, begin_with_little,
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Family,
+        Form, Law, Linearisation, Places, Prior, QuantityKind, Rule, Steady, all_zero, begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -13,6 +13,7 @@ pub const EFFECT: Effect = Effect {
     id: "constant_load",
     name: "constant load",
     acts_at: ActsAt::Node,
+    family: Family::Load,
     places: Places::Load,
     parameters: &[EffectParameter::new("torque", QuantityKind::Torque, ANY)],
     borrows: None,

@@ -2,9 +2,9 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
-        begin_with_little,
+        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Family, Form,
+        Law, LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
+        all_zero, begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -18,6 +18,7 @@ pub const EFFECT: Effect = Effect {
     id: "coulomb_friction",
     name: "Coulomb friction",
     acts_at: ActsAt::Bearing,
+    family: Family::Friction,
     places: Places::Every,
     parameters: &[
         EffectParameter::new("torque", QuantityKind::Torque, POSITIVE),

@@ -3,8 +3,8 @@
 use super::{
     definition::{
         Acts, ActsAt, Amplitude, Borrowed, Condition, Coordinate, Discrepancy, Effect, EffectParameter,
-        Equivalent, Form, Law, LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response,
-        Rule, Steady, begin_with_little,
+        Equivalent, Family, Form, Law, LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind,
+        Response, Rule, Steady, begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -15,6 +15,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "coupling_slip",
     name: "coupling slip",
     acts_at: ActsAt::Spring,
+    family: Family::Elastic,
     places: Places::Every,
     parameters: &[EffectParameter::new("torque", QuantityKind::Torque, POSITIVE)],
     borrows: Some(Borrowed::Stiffness),

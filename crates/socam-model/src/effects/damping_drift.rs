@@ -2,8 +2,9 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
-        Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero, begin_with_little,
+        ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Family, Form, Law,
+        LawInput, Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
+        begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -13,6 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "damping_drift",
     name: "damping drift",
     acts_at: ActsAt::Bearing,
+    family: Family::Friction,
     places: Places::Every,
     parameters: &[EffectParameter::new("rate", QuantityKind::Rate, ANY)],
     borrows: Some(Borrowed::Damping),

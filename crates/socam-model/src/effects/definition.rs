@@ -4,6 +4,7 @@ pub(super) use super::{
     amplitude::{Amplitude, Coordinate, Linearisation, Steady},
     discrepancy::Discrepancy,
     effect::Effect,
+    family::Family,
     kinds::{ANY, EffectParameter, POSITIVE, QuantityKind},
     law::{Acts, Borrowed, Form, Law, LawInput, Response, Rule},
     places::{ActsAt, Places},

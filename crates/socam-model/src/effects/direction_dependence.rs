@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Family,
+        Form, Law, LawInput, Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
         begin_with_little,
     },
     experiment, shape, usual,
@@ -17,6 +17,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "direction_dependence",
     name: "direction dependence",
     acts_at: ActsAt::Bearing,
+    family: Family::Friction,
     places: Places::Every,
     parameters: &[
         EffectParameter::new("torque_difference", QuantityKind::Torque, ANY),

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput, Linearisation,
-        Places, Prior, QuantityKind, Response, Rule, Steady, all_zero, begin_with_little,
+        Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Family, Form, Law, LawInput,
+        Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero, begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -14,6 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "direction_gain",
     name: "direction-dependent gain",
     acts_at: ActsAt::Channel,
+    family: Family::Reading,
     places: Places::Channels,
     parameters: &[EffectParameter::new("difference", QuantityKind::Ratio, (-1.9, 1.9))],
     borrows: None,

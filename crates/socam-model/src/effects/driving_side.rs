@@ -2,8 +2,9 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput, Linearisation,
-        Places, Prior, QuantityKind, Replaces, Response, Rule, Steady, all_zero, begin_with_little,
+        Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Family, Form, Law, LawInput,
+        Linearisation, Places, Prior, QuantityKind, Replaces, Response, Rule, Steady, all_zero,
+        begin_with_little,
     },
     experiment,
     mesh_loss::{self, Direction, Share, drag},
@@ -17,6 +18,7 @@ pub(super) const MESH_LOSS: Effect = Effect {
     id: mesh_loss::EFFECT.id,
     name: "mesh loss by driving side",
     acts_at: ActsAt::Gear,
+    family: Family::Friction,
     places: Places::Every,
     parameters: &[
         EffectParameter::new("fraction", QuantityKind::Ratio, (0.0, 0.95)),

@@ -4,6 +4,7 @@ use super::{
     amplitude::{Amplitude, Linearisation, Steady},
     discrepancy::Discrepancy,
     experiment::{self, Experiment},
+    family::Family,
     kinds::{EffectParameter, QuantityKind},
     law::{Borrowed, Form, Law, LawInput},
     places::{ActsAt, Places},
@@ -47,6 +48,8 @@ pub struct Effect {
     pub name: &'static str,
     /// Kind of place at which it acts.
     pub acts_at: ActsAt,
+    /// What it has in common with laws that recordings tell from it least.
+    pub family: Family,
     /// Places of this kind at which a diagnosis tests the effect.
     pub places: Places,
     /// Parameters of the effect.
@@ -125,6 +128,7 @@ impl Effect {
             id,
             name: id,
             acts_at,
+            family: Family::Own,
             places: Places::Every,
             parameters,
             borrows,

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Family,
+        Form, Law, LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
         begin_with_little,
     },
     experiment, shape, usual,
@@ -14,6 +14,7 @@ pub const EFFECT: Effect = Effect {
     id: "gravity_unbalance",
     name: "gravity unbalance",
     acts_at: ActsAt::Node,
+    family: Family::Periodic,
     places: Places::Load,
     parameters: &[
         EffectParameter::new("torque", QuantityKind::Torque, POSITIVE),

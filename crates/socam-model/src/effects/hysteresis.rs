@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
+        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Family, Form,
+        Law, LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
         begin_with_little,
     },
     experiment, presliding, shape, usual,
@@ -19,6 +19,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "hysteresis",
     name: "hysteresis",
     acts_at: ActsAt::Spring,
+    family: Family::Elastic,
     places: Places::Every,
     parameters: &[
         EffectParameter::new("torque", QuantityKind::Torque, POSITIVE),

@@ -2,9 +2,9 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
-        Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady, begin_with_little,
-        wave,
+        ANY, Acts, ActsAt, Amplitude, Borrowed, Discrepancy, Effect, EffectParameter, Family, Form, Law,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
+        begin_with_little, wave,
     },
     experiment, shape, usual,
 };
@@ -15,6 +15,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "kinematic_error",
     name: "kinematic error",
     acts_at: ActsAt::Gear,
+    family: Family::Periodic,
     places: Places::Every,
     parameters: &[
         EffectParameter::new("order", QuantityKind::Ratio, POSITIVE),

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
+        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Family, Form,
+        Law, LawInput, Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
         begin_with_little,
     },
     experiment, shape, usual,
@@ -17,6 +17,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "mesh_loss",
     name: "mesh loss",
     acts_at: ActsAt::Gear,
+    family: Family::Friction,
     places: Places::Every,
     parameters: &[
         EffectParameter::new("fraction", QuantityKind::Ratio, (0.0, 0.95)),

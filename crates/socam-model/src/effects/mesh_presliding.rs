@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Discrepancy, Effect, EffectParameter, Form, Law, LawInput, Linearisation, POSITIVE,
-        Places, QuantityKind, Replaces, Response, Rule, Steady, begin_with_little,
+        Acts, ActsAt, Discrepancy, Effect, EffectParameter, Family, Form, Law, LawInput, Linearisation,
+        POSITIVE, Places, QuantityKind, Replaces, Response, Rule, Steady, begin_with_little,
     },
     experiment,
     mesh_loss::{self, Direction},
@@ -17,6 +17,7 @@ pub(super) const MESH_LOSS: Effect = Effect {
     id: mesh_loss::EFFECT.id,
     name: "mesh loss with presliding",
     acts_at: ActsAt::Gear,
+    family: Family::Friction,
     places: Places::Every,
     parameters: &[
         EffectParameter::new("fraction", QuantityKind::Ratio, (0.0, 0.95)),

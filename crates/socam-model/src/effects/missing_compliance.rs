@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Linearisation, POSITIVE,
-        Places, Prior, QuantityKind, Steady,
+        ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Family, Form, Linearisation,
+        POSITIVE, Places, Prior, QuantityKind, Steady,
     },
     experiment, usual,
 };
@@ -13,6 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "missing_compliance",
     name: "missing compliance",
     acts_at: ActsAt::Shaft,
+    family: Family::Elastic,
     places: Places::Every,
     parameters: &[
         EffectParameter::new("stiffness", QuantityKind::Stiffness, POSITIVE),

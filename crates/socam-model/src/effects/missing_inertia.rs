@@ -2,7 +2,7 @@
 
 use super::{
     definition::{
-        ANY, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form,
+        ANY, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Family, Form,
         Linearisation, Places, Prior, QuantityKind, Steady,
     },
     experiment, usual,
@@ -13,6 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "missing_inertia",
     name: "missing inertia",
     acts_at: ActsAt::Node,
+    family: Family::Load,
     places: Places::Free,
     parameters: &[EffectParameter::new("inertia", QuantityKind::Inertia, ANY)],
     borrows: None,

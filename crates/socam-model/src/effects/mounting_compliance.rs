@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use super::{
     definition::{
-        ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Linearisation, POSITIVE,
-        Places, Prior, QuantityKind, Rig, Steady,
+        ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Family, Form, Linearisation,
+        POSITIVE, Places, Prior, QuantityKind, Rig, Steady,
     },
     experiment, usual,
 };
@@ -21,6 +21,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "mounting_compliance",
     name: "compliance of the mounting",
     acts_at: ActsAt::Node,
+    family: Family::Elastic,
     places: Places::DrivenOnAFrame,
     parameters: &[
         EffectParameter::new("stiffness", QuantityKind::Stiffness, POSITIVE),

@@ -4,8 +4,9 @@
 use super::{
     coulomb_friction,
     definition::{
-        Acts, ActsAt, Discrepancy, Effect, EffectParameter, FittedValues, Form, Law, LawInput, Linearisation,
-        POSITIVE, Places, Prior, QuantityKind, Replaces, Rig, Rule, Steady, Values, begin_with_little,
+        Acts, ActsAt, Discrepancy, Effect, EffectParameter, Family, FittedValues, Form, Law, LawInput,
+        Linearisation, POSITIVE, Places, Prior, QuantityKind, Replaces, Rig, Rule, Steady, Values,
+        begin_with_little,
     },
     experiment, shape, stribeck_friction, usual,
 };
@@ -16,6 +17,7 @@ pub(super) const COULOMB: Effect = Effect {
     id: coulomb_friction::EFFECT.id,
     name: "Coulomb friction with presliding",
     acts_at: ActsAt::Bearing,
+    family: Family::Friction,
     places: Places::Every,
     parameters: &[
         EffectParameter::new("torque", QuantityKind::Torque, POSITIVE),
@@ -87,6 +89,7 @@ pub(super) const STRIBECK: Effect = Effect {
     id: stribeck_friction::EFFECT.id,
     name: "Stribeck friction with presliding",
     acts_at: ActsAt::Bearing,
+    family: Family::Friction,
     places: Places::Every,
     parameters: &[
         EffectParameter::new("torque", QuantityKind::Torque, POSITIVE),

@@ -2,7 +2,7 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
+        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Family, Form, Law, LawInput,
         Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero, begin_with_little,
     },
     experiment, shape, usual,
@@ -13,6 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "quadratic_drag",
     name: "quadratic drag",
     acts_at: ActsAt::Bearing,
+    family: Family::Friction,
     places: Places::Every,
     parameters: &[EffectParameter::new("coefficient", QuantityKind::Drag, ANY)],
     borrows: None,

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Rule, Steady, all_zero,
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Family,
+        Form, Law, LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Rule, Steady, all_zero,
         begin_with_little,
     },
     experiment,
@@ -25,6 +25,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "sensor_delay",
     name: "sensor delay",
     acts_at: ActsAt::Channel,
+    family: Family::Timing,
     places: Places::Sensors,
     parameters: &[EffectParameter::new("delay", QuantityKind::Time, POSITIVE)],
     borrows: None,
@@ -58,6 +59,7 @@ pub(super) const AT_INPUT: Effect = Effect {
     id: EFFECT.id,
     name: EFFECT.name,
     acts_at: ActsAt::Channel,
+    family: Family::Timing,
     places: Places::Inputs,
     parameters: &[EffectParameter::new("delay", QuantityKind::Time, ANY)],
     borrows: None,

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput, Linearisation,
-        Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
+        Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Family, Form, Law, LawInput,
+        Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
     },
     experiment, shape, usual,
 };
@@ -13,6 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "sensor_fold",
     name: "sensor fold",
     acts_at: ActsAt::Channel,
+    family: Family::Reading,
     places: Places::Sensors,
     parameters: &[EffectParameter::new("share", QuantityKind::Ratio, (0.0, 1.0))],
     borrows: None,

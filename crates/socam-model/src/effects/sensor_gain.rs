@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ActsAt, Amplitude, Condition, Coordinate, Discrepancy, Effect, EffectParameter, Equivalent, Form,
-        Linearisation, Places, Prior, QuantityKind, Steady, begin_with_little,
+        ActsAt, Amplitude, Condition, Coordinate, Discrepancy, Effect, EffectParameter, Equivalent, Family,
+        Form, Linearisation, Places, Prior, QuantityKind, Steady, begin_with_little,
     },
     experiment, usual,
 };
@@ -13,6 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "sensor_gain",
     name: "sensor gain",
     acts_at: ActsAt::Channel,
+    family: Family::Reading,
     places: Places::Channels,
     parameters: &[EffectParameter::new("gain", QuantityKind::Ratio, (0.01, 100.0))],
     borrows: None,

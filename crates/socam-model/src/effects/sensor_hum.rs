@@ -2,7 +2,7 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
+        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Family, Form, Law, LawInput,
         Linearisation, POSITIVE, Places, Prior, QuantityKind, Rule, Steady, begin_with_little, wave,
     },
     experiment, shape, usual,
@@ -13,6 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "sensor_hum",
     name: "sensor hum",
     acts_at: ActsAt::Channel,
+    family: Family::Interference,
     places: Places::Channels,
     parameters: &[
         EffectParameter::new("amplitude", QuantityKind::Gain, POSITIVE),

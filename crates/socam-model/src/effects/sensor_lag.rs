@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Linearisation,
-        POSITIVE, Places, Prior, QuantityKind, Steady, begin_with_little,
+        ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Family, Form,
+        Linearisation, POSITIVE, Places, Prior, QuantityKind, Steady, begin_with_little,
     },
     experiment, usual,
 };
@@ -13,6 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "sensor_lag",
     name: "sensor lag",
     acts_at: ActsAt::Channel,
+    family: Family::Timing,
     places: Places::Sensors,
     parameters: &[EffectParameter::new("time_constant", QuantityKind::Time, POSITIVE)],
     borrows: None,

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Form, Law, Linearisation, Places,
-        Prior, QuantityKind, Rule, Steady, all_zero, begin_with_little,
+        ANY, Acts, ActsAt, Amplitude, Discrepancy, Effect, EffectParameter, Family, Form, Law, Linearisation,
+        Places, Prior, QuantityKind, Rule, Steady, all_zero, begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -13,6 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "sensor_offset",
     name: "sensor offset",
     acts_at: ActsAt::Channel,
+    family: Family::Reading,
     places: Places::Channels,
     parameters: &[EffectParameter::new("offset", QuantityKind::Gain, ANY)],
     borrows: None,

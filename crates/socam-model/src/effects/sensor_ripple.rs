@@ -2,9 +2,9 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Rule, Steady, begin_with_little,
-        wave,
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Family,
+        Form, Law, LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Rule, Steady,
+        begin_with_little, wave,
     },
     experiment, shape, usual,
 };
@@ -14,6 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "sensor_ripple",
     name: "sensor ripple",
     acts_at: ActsAt::Channel,
+    family: Family::Interference,
     places: Places::Channels,
     parameters: &[
         EffectParameter::new("amplitude", QuantityKind::Gain, POSITIVE),

@@ -2,8 +2,9 @@
 
 use super::{
     definition::{
-        Acts, ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Form, Law, LawInput,
-        Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady, begin_with_little,
+        Acts, ActsAt, Amplitude, Coordinate, Discrepancy, Effect, EffectParameter, Family, Form, Law,
+        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
+        begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -13,6 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "sensor_saturation",
     name: "sensor saturation",
     acts_at: ActsAt::Channel,
+    family: Family::Reading,
     places: Places::Sensors,
     parameters: &[EffectParameter::new("limit", QuantityKind::Gain, POSITIVE)],
     borrows: None,
@@ -51,6 +53,7 @@ pub(super) const AT_INPUT: Effect = Effect {
     id: EFFECT.id,
     name: EFFECT.name,
     acts_at: ActsAt::Channel,
+    family: Family::Reading,
     places: Places::Inputs,
     parameters: &[
         EffectParameter::new("limit", QuantityKind::Gain, POSITIVE),

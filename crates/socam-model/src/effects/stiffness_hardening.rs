@@ -3,8 +3,8 @@
 use super::{
     definition::{
         ANY, Acts, ActsAt, Amplitude, Borrowed, Condition, Discrepancy, Effect, EffectParameter, Equivalent,
-        Form, Law, LawInput, Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady, all_zero,
-        begin_with_little,
+        Family, Form, Law, LawInput, Linearisation, Places, Prior, QuantityKind, Response, Rule, Steady,
+        all_zero, begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -14,6 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "stiffness_hardening",
     name: "stiffness hardening",
     acts_at: ActsAt::Spring,
+    family: Family::Elastic,
     places: Places::Every,
     parameters: &[EffectParameter::new("cubic", QuantityKind::PerAngleSquared, ANY)],
     borrows: Some(Borrowed::Stiffness),

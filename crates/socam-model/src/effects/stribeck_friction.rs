@@ -3,9 +3,9 @@
 use super::{
     coulomb_friction::FRICTION,
     definition::{
-        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Replaces, Response, Rule, Steady,
-        begin_with_little,
+        Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Family, Form,
+        Law, LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Replaces, Response, Rule,
+        Steady, begin_with_little,
     },
     experiment, shape, usual,
 };
@@ -15,6 +15,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "stribeck_friction",
     name: "Stribeck friction",
     acts_at: ActsAt::Bearing,
+    family: Family::Friction,
     places: Places::Every,
     parameters: &[
         EffectParameter::new("torque", QuantityKind::Torque, POSITIVE),

@@ -2,8 +2,8 @@
 
 use super::{
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Family,
+        Form, Law, LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
         begin_with_little, wave,
     },
     experiment, shape, usual,
@@ -15,6 +15,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "torque_ripple",
     name: "torque ripple",
     acts_at: ActsAt::Node,
+    family: Family::Periodic,
     places: Places::Driven,
     parameters: &[
         EffectParameter::new("order", QuantityKind::Ratio, POSITIVE),

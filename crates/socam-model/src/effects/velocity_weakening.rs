@@ -3,8 +3,8 @@
 use super::{
     coulomb_friction::FRICTION,
     definition::{
-        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Form, Law,
-        LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
+        ANY, Acts, ActsAt, Amplitude, Condition, Discrepancy, Effect, EffectParameter, Equivalent, Family,
+        Form, Law, LawInput, Linearisation, POSITIVE, Places, Prior, QuantityKind, Response, Rule, Steady,
         begin_with_little,
     },
     experiment, shape, usual,
@@ -17,6 +17,7 @@ pub(super) const EFFECT: Effect = Effect {
     id: "velocity_weakening",
     name: "velocity-weakening friction",
     acts_at: ActsAt::Bearing,
+    family: Family::Friction,
     places: Places::Every,
     parameters: &[
         EffectParameter::new("torque", QuantityKind::Torque, ANY),

@@ -63,7 +63,22 @@ fn parameters(finding: &Finding) -> Markup {
                         }
                     }
                 }
+                @if !finding.drag.is_empty() {
+                    tbody {
+                        @for drag in &finding.drag {
+                            tr {
+                                td { (drag.name()) }
+                                td class="n" { (words::estimate(Some(drag.torque), drag.ci95)) }
+                                td { (words::interval(Some(drag.torque), drag.ci95)) }
+                                td { (words::unit(&drag.torque_unit)) }
+                            }
+                        }
+                    }
+                }
             }
+        }
+        @if !finding.drag.is_empty() {
+            p class="note" { "Drag is the steady torque against the motion, with the bearing's damping. Laws of one family share it, where their parameters differ." }
         }
     }
 }
@@ -136,7 +151,8 @@ fn evidence(finding: &Finding, proof: Proof<'_>) -> Markup {
 /// Competing models with their weights as bars.
 fn rivals(finding: &Finding) -> Markup {
     let weights = finding.rivals.iter().map(|rival| rival.weight).filter(|weight| weight.is_finite());
-    let own = 1.0 - weights.sum::<f64>();
+    let richer: f64 = finding.richer.iter().map(|law| law.weight).sum();
+    let own = 1.0 - weights.sum::<f64>() - richer;
     let bar = |name: Markup, weight: f64| {
         let share = if weight.is_finite() { weight.clamp(0.0, 1.0) } else { 0.0 };
         html! {
@@ -153,7 +169,7 @@ fn rivals(finding: &Finding) -> Markup {
     let name = |rival: &Rival| html! { (words::effect(&rival.effect)) " at " code { (rival.location) } };
     html! {
         h4 { "What else it could be" }
-        @if finding.rivals.is_empty() {
+        @if finding.rivals.is_empty() && finding.richer.is_empty() {
             p { @if finding.effect == UNEXPLAINED { "Nothing in the catalogue fits." } @else { "Nothing comes close on these recordings." } }
         } @else {
             div class="scroll" {
@@ -162,6 +178,7 @@ fn rivals(finding: &Finding) -> Markup {
                     tbody {
                         (bar(html! { "This finding" }, own.max(0.0)))
                         @for rival in &finding.rivals { (bar(name(rival), rival.weight)) }
+                        @for law in &finding.richer { (bar(html! { (name(law)) ", which contains it" }, law.weight)) }
                     }
                 }
             }

@@ -1,5 +1,6 @@
 //! `challenge`: concealed physics, diagnosed and scored.
 
+mod answer;
 mod background;
 mod crew;
 mod files;

@@ -7,6 +7,7 @@ use serde::Serialize;
 use socam_diagnose::document::CandidateFate;
 use socam_sim::challenge::CaseKind;
 
+use super::answer::{Answers, Held};
 use super::oracle::DETECTABLE_GAIN;
 use super::probability::{Bin, calibration, log_score};
 use super::rates::{Rate, as_many_by_chance};
@@ -48,6 +49,8 @@ struct Part {
     /// Rate of wrong answers whose hidden effects, put in by hand, predict the held-out recordings better than the answer does, among those
     /// that can be compared. The others were lost by the criterion or by the model of the bench, not by the search.
     truth_is_better: Rate,
+    /// The answers' nodes, of detectable cases that hide something.
+    answers: Answers,
     /// Calibration of the stated probabilities.
     calibration: Vec<Bin>,
     /// Rate of correct answers whose corrected model predicts all channels within 1.15 times their noise, among benches that hide
@@ -172,6 +175,8 @@ impl Part {
         }
         let probabilities: Vec<f64> =
             detectable.iter().flat_map(|score| score.probability.iter().copied()).collect();
+        let hides = detectable.iter().filter(|score| !score.hidden.is_empty() && score.error.is_none());
+        let hiding: Vec<&Held> = hides.map(|score| &score.held).collect();
         let floor = cases.iter().filter(named).filter_map(|score| score.at_the_floor);
         Self {
             cases: cases.len(),
@@ -188,6 +193,7 @@ impl Part {
             truth_is_better: Rate::of(
                 detectable.iter().filter_map(|score| score.truth_gains).map(|gain| gain > DETECTABLE_GAIN),
             ),
+            answers: Answers::new(&hiding),
             calibration: calibration(cases.iter().flat_map(|score| score.statements.iter().copied())),
             at_the_floor: Rate::of(floor),
         }
@@ -226,6 +232,7 @@ impl Part {
                 self.truth_is_better.text()
             );
         }
+        text += &self.answers.text();
         text += &Bin::table(&self.calibration);
         text += "right by family\n";
         for (family, rate) in &self.families {

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use socam_diagnose::document::{CandidateFate, Diagnosis, Finding, Stage, UNEXPLAINED};
 use socam_sim::challenge::{Case, CaseKind, Drive, Hidden};
 
-use super::{background, oracle::Oracle};
+use super::{answer::Held, background, oracle::Oracle};
 
-pub(super) const SCHEMA: &str = "socam.challenge-case/4";
+pub(super) const SCHEMA: &str = "socam.challenge-case/5";
 
 /// Greatest ratio of held-out residuals to the noise floor for a prediction down to the noise, with all findings and curves.
 const AT_THE_FLOOR: f64 = 1.15;
@@ -59,6 +59,9 @@ pub(super) struct Score {
     /// truth. `None` where a fit fails, the answer has a curve, or what is hidden has no law.
     #[serde(default)]
     pub(super) truth_gains: Option<f64>,
+    /// The answer's nodes beside the truth.
+    #[serde(default)]
+    pub(super) held: Held,
     /// Processor time of the diagnosis, s.
     pub(super) cpu_s: Option<f64>,
 }
@@ -103,6 +106,7 @@ impl Score {
             intervals: case.hidden.iter().flat_map(|hidden| intervals(case, hidden, findings)).collect(),
             lost: answer.filter(|_| !right).map_or_else(Vec::new, |answer| lost(case, answer)),
             truth_gains: None,
+            held: answer.map_or_else(Held::default, |answer| Held::new(case, answer, &judge.claims())),
             cpu_s: answer.map(|_| cpu_s),
         }
     }
@@ -188,6 +192,11 @@ impl<'a> Judge<'a> {
     /// Whether a finding claims something that has to be hidden: it is none of the background, and no imperfection that every bench has.
     fn is_claim(&self, finding: &Finding) -> bool {
         finding.evidence.ordinary.is_none() && !self.is_background(finding)
+    }
+
+    /// The findings that claim something.
+    fn claims(&self) -> Vec<&'a Finding> {
+        self.findings.iter().filter(|finding| self.is_claim(finding)).collect()
     }
 
     /// Whether a finding belongs to the background of the bench.

@@ -62,6 +62,10 @@ fn one(number: usize, finding: &Finding, proof: Proof<'_>) -> String {
     for own in &finding.parameters {
         line(format!("{} = {}", own.name, words::quantity(own.value, own.ci95, &own.unit)));
     }
+    for own in &finding.drag {
+        let size = words::quantity(Some(own.torque), own.ci95, &own.torque_unit);
+        line(format!("{} = {size}, with the bearing's damping", own.name()));
+    }
     let evidence = &finding.evidence;
     if !finding.region.text.is_empty() {
         line(format!("where: {}", finding.region.text));
@@ -81,6 +85,10 @@ fn one(number: usize, finding: &Finding, proof: Proof<'_>) -> String {
     for rival in &finding.rivals {
         let (effect, weight) = (words::effect(&rival.effect), words::percent(rival.weight));
         line(format!("or {effect} at {} ({weight})", rival.location));
+    }
+    for law in &finding.richer {
+        let (effect, weight) = (words::effect(&law.effect), words::percent(law.weight));
+        line(format!("or {effect} there, which contains it and predicts as well ({weight})"));
     }
     text
 }

@@ -1,12 +1,12 @@
 //! An effect is one file: no source outside `effects/` contains an effect's id.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     fs,
     path::{Path, PathBuf},
 };
 
-use crate::effects::{CATALOGUE, Effect, Places, REFINED};
+use crate::effects::{CATALOGUE, Effect, Family, Places, REFINED};
 
 /// Paths that may contain ids: the effects' folder, the challenge's independent truth, and tests.
 const EXEMPT: [&str; 6] = [
@@ -95,7 +95,8 @@ fn rows(text: &str) -> Vec<Row<'_>> {
         let (place, parameters) = (cells.next()?, cells.next()?);
         Some((id, place, parameters.split('`').skip(1).step_by(2).collect()))
     }
-    text.split("| id | place |").nth(1).unwrap_or_default().lines().filter_map(row).collect()
+    let table = text.split("| id | place |").nth(1).unwrap_or_default();
+    table.lines().skip(1).take_while(|line| line.starts_with('|')).filter_map(row).collect()
 }
 
 /// What the place of an effect's row says among other words.
@@ -135,6 +136,28 @@ fn the_docs_list_every_effect_with_its_place_and_parameters_and_no_other() {
         assert!(
             all().any(|effect| fits(effect, row)),
             "docs/effects.md has a row of no effect of the catalogue: {row:?}"
+        );
+    }
+}
+
+#[test]
+fn the_docs_list_every_family_with_its_effects() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let text = fs::read_to_string(root.join("docs/effects.md")).unwrap();
+    let mut families: BTreeMap<Family, Vec<String>> = BTreeMap::new();
+    CATALOGUE
+        .iter()
+        .for_each(|effect| families.entry(effect.family).or_default().push(format!("`{}`", effect.id)));
+    for (family, effects) in families {
+        let row =
+            text.lines().find(|line| line.starts_with(&format!("| `{}` | {} |", family.id(), family.name())));
+        let row = row.unwrap_or_else(|| panic!("docs/effects.md has no row of {family:?}"));
+        let listed: BTreeSet<&str> =
+            row.split(" | ").nth(2).unwrap_or_default().trim_end_matches(" |").split(", ").collect();
+        assert_eq!(
+            listed,
+            effects.iter().map(String::as_str).collect(),
+            "the row of {family:?} in docs/effects.md"
         );
     }
 }

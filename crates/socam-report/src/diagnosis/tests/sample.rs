@@ -37,6 +37,8 @@ fn friction() -> Finding {
             ..FindingEvidence::default()
         },
         formulas: Vec::new(),
+        richer: Vec::new(),
+        drag: Vec::new(),
         rivals: vec![
             rival("stribeck_friction", "cam_bearing", 0.21),
             rival("mesh_loss", "mesh", 0.06),
@@ -65,6 +67,8 @@ fn kinematic_error() -> Finding {
         region: Region { frequency_hz: Some([2.0, 16.0]), text: "At one cycle per turn of the cam shaft.".into(), ..Region::default() },
         evidence: FindingEvidence { p_value: Some(2.0e-9), chi2_gain: Some(312.0), holdout_gain_percent: Some(34.0), misfit_percent: None, ..FindingEvidence::default() },
         rivals: Vec::new(),
+        richer: Vec::new(),
+        drag: Vec::new(),
         formulas: Vec::new(),
         sentence: "The reducer does not roll true: its output runs ahead and behind by 0.41 mrad once per turn of the cam shaft.".into(),
         equation: "e = amplitude sin(order a + phase)".into(),
@@ -90,6 +94,8 @@ pub(super) fn unexplained() -> Finding {
         region: Region { speed_rad_s: Some([-40.0, 40.0]), text: "Strongest near 25 rad/s.".into(), ..Region::default() },
         evidence: FindingEvidence { p_value: Some(1e-12), chi2_gain: Some(420.0), holdout_gain_percent: Some(55.0), misfit_percent: Some(61.0), ..FindingEvidence::default() },
         rivals: Vec::new(),
+        richer: Vec::new(),
+        drag: Vec::new(),
         formulas: Vec::new(),
         sentence: "Something brakes the load that grows with speed and then gives way; no effect of the catalogue does.".into(),
         equation: String::new(),
@@ -174,7 +180,7 @@ pub(super) fn diagnosis() -> Diagnosis {
         };
         ((*name).to_owned(), fit)
     });
-    Diagnosis {
+    let mut diagnosis = Diagnosis {
         selection: Some(Validation::LeaveOneOut),
         held_out: Some(HeldOut {
             outcome: ProofOutcome::Holds,
@@ -189,6 +195,7 @@ pub(super) fn diagnosis() -> Diagnosis {
         false_alarm_rate: 0.01,
         validation: Validation::Holdout,
         findings: vec![friction(), kinematic_error()],
+        answer: Vec::new(),
         fit: Fit { channels: fits.collect() },
         parameters: parameters(),
         combinations: vec![CombinationChange {
@@ -211,7 +218,9 @@ pub(super) fn diagnosis() -> Diagnosis {
         recordings: recordings(6),
         version: "0.1.0".into(),
         overlay: Some(overlay()),
-    }
+    };
+    diagnosis.answer = socam_findings::answer::answer(&diagnosis);
+    diagnosis
 }
 
 pub(super) fn recordings(count: usize) -> Vec<RecordingUse> {
