@@ -77,6 +77,7 @@ pub(crate) fn document(inputs: &Inputs<'_>, cpu_s: f64) -> Result<Diagnosis, Ide
         selection: Some(context.validation()),
         held_out,
         suggested_experiment: rivals::suggestion(&findings),
+        ordinary: parameters::ordinary(&findings),
         findings,
         answer: Vec::new(),
         fit: recordings::fit(inputs),

@@ -115,6 +115,15 @@ pub fn of_its_law(diagnosis: &Diagnosis, finding: &Finding) -> f64 {
     own.map_or(0.0, |leaf| leaf.weight * leaf.reliability(Level::Law))
 }
 
+/// All nodes of a finding on a level, and the family that it is filed under; empty where it has no place or lies above that level.
+#[must_use]
+pub fn on_level(diagnosis: &Diagnosis, finding: &Finding, level: Level) -> (Option<Family>, Vec<AnswerNode>) {
+    let leaves = leaves(diagnosis, finding);
+    let family = leaves.first().and_then(|leaf| leaf.family);
+    let is_there = leaves.iter().all(|leaf| leaf.depth() >= level);
+    (family, if is_there { merged(&leaves, level, 0) } else { Vec::new() })
+}
+
 /// The nodes of the answer that belong to a finding.
 #[must_use]
 pub fn of_finding<'a>(diagnosis: &'a Diagnosis, finding: &Finding) -> Vec<&'a AnswerNode> {

@@ -60,6 +60,9 @@ pub struct Diagnosis {
     pub fit: Fit,
     /// The base model's parameters before and after the correction, in the order of the model.
     pub parameters: Vec<ParameterChange>,
+    /// Sizes of the findings that are ordinary imperfections, each named `EFFECT.PARAMETER@PLACE`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ordinary: Vec<ParameterChange>,
     /// Combinations that the data determine although they do not determine the parameters.
     #[serde(default)]
     pub combinations: Vec<CombinationChange>,

@@ -2,7 +2,7 @@
 
 use socam_identify::Identification;
 
-use crate::document::{CombinationChange, ParameterChange};
+use crate::document::{CombinationChange, EffectParameter, Finding, ParameterChange};
 
 /// Every parameter of the base model that the corrected model has too.
 pub(super) fn parameters(before: &Identification, after: &Identification) -> Vec<ParameterChange> {
@@ -21,6 +21,24 @@ pub(super) fn parameters(before: &Identification, after: &Identification) -> Vec
         })
     });
     each.collect()
+}
+
+/// Sizes of the findings that are ordinary imperfections.
+pub(super) fn ordinary(findings: &[Finding]) -> Vec<ParameterChange> {
+    let ordinary = findings.iter().filter(|finding| finding.evidence.ordinary.is_some());
+    let each = ordinary.flat_map(|finding| finding.parameters.iter().map(move |own| (finding, own)));
+    let one = |(finding, own): (&Finding, &EffectParameter)| ParameterChange {
+        name: format!("{}.{}@{}", finding.effect, own.name, finding.location),
+        unit: own.unit.clone(),
+        before: None,
+        after: own.value,
+        ci95: own.ci95,
+        ci95_before: [None; 2],
+        identifiable: own.value.is_some(),
+        fixed: false,
+        determined_with: Vec::new(),
+    };
+    each.map(one).collect()
 }
 
 /// Combinations of parameters that the recordings determine where they do not determine each parameter.

@@ -126,6 +126,7 @@ pub fn diagnose_steady(
         suggested_experiment: experiment::steady(&findings),
         findings,
         answer: Vec::new(),
+        ordinary: Vec::new(),
         fit: Fit { channels: outcomes.iter().map(|outcome| findings::fit(model, outcome)).collect() },
         parameters,
         combinations: Vec::new(),

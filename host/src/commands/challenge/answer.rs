@@ -1,11 +1,12 @@
 //! The answer's nodes beside the truth: whether they hold it, and how many they are.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 use socam_diagnose::document::{AnswerNode, Diagnosis, Finding, Level};
 use socam_findings::answer;
-use socam_model::effects::CATALOGUE;
+use socam_model::effects::{CATALOGUE, Family};
 use socam_sim::challenge::{Case, CaseKind, Hidden};
 
 use super::{background, rates::Rate};
@@ -19,10 +20,45 @@ const LEVELS: [(Level, &str); 3] = [(Level::Law, "law"), (Level::Family, "family
 pub(super) struct Held {
     /// For each hidden effect, the level of the deepest node that holds it; `None` where none does.
     pub(super) hidden: Vec<Option<Level>>,
-    /// For each finding that claims something, its level, its number of nodes, their probability together, and whether one of them is true.
-    pub(super) sets: Vec<(Level, usize, f64, bool)>,
+    /// The findings that claim something and have a place.
+    pub(super) claims: Vec<Claim>,
     /// For each of [`LIMITS`], the number of hidden effects that the answer within it holds, and the number of its nodes.
     pub(super) within: Vec<(usize, usize)>,
+}
+
+/// A finding that claims something.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Claim {
+    /// Family of its law; empty for a curve without one.
+    family: String,
+    /// Level of the answer's nodes.
+    level: Level,
+    /// Their number.
+    nodes: usize,
+    /// Their probability together.
+    stated: f64,
+    /// Whether one of them is true.
+    is_true: bool,
+    /// For each of [`LEVELS`], whether a node of all that the finding may be on that level is true; `None` where it has none there.
+    among: [Option<bool>; 3],
+}
+
+impl Claim {
+    fn new(case: &Case, diagnosis: &Diagnosis, finding: &Finding) -> Option<Self> {
+        let nodes = answer::of_finding(diagnosis, finding);
+        let among = |(level, _): (Level, &str)| {
+            let (_, all) = answer::on_level(diagnosis, finding, level);
+            (!all.is_empty()).then(|| all.iter().any(|node| is_true(case, node)))
+        };
+        Some(Self {
+            family: answer::on_level(diagnosis, finding, Level::Side).0.map_or("", Family::id).into(),
+            level: nodes.first()?.level,
+            nodes: nodes.len(),
+            stated: nodes.iter().map(|node| node.probability).sum(),
+            is_true: nodes.iter().any(|node| is_true(case, node)),
+            among: LEVELS.map(among),
+        })
+    }
 }
 
 impl Held {
@@ -32,18 +68,13 @@ impl Held {
             let holding = nodes.iter().filter(|node| holds(case, node, hidden));
             holding.map(|node| node.level).max()
         };
-        let set = |finding: &&Finding| {
-            let nodes = answer::of_finding(diagnosis, finding);
-            let together = nodes.iter().map(|node| node.probability).sum();
-            Some((nodes.first()?.level, nodes.len(), together, nodes.iter().any(|node| is_true(case, node))))
-        };
         let count = |limit: &f64| {
             let nodes = answer::within(diagnosis, *limit);
             (case.hidden.iter().filter(|hidden| held(&nodes, hidden).is_some()).count(), nodes.len())
         };
         Self {
             hidden: case.hidden.iter().map(|hidden| held(&diagnosis.answer, hidden)).collect(),
-            sets: claims.iter().filter_map(set).collect(),
+            claims: claims.iter().filter_map(|finding| Claim::new(case, diagnosis, finding)).collect(),
             within: LIMITS.iter().map(count).collect(),
         }
     }
@@ -85,6 +116,8 @@ pub(super) struct Answers {
     nodes: Option<f64>,
     /// For each level, the rate of findings on that level one of whose nodes is true, and the mean probability that they state.
     levels: Vec<(&'static str, Rate, Option<f64>)>,
+    /// For each family, the rates of findings that have the truth among what they may be: on the level of laws, of families, of sides.
+    families: BTreeMap<String, [Rate; 3]>,
     /// For each limit, the rate of hidden effects that the answer within it holds, and its mean number of nodes.
     within: Vec<(f64, Rate, f64)>,
 }
@@ -92,13 +125,18 @@ pub(super) struct Answers {
 impl Answers {
     /// Of cases whose hidden effects can be detected.
     pub(super) fn new(all: &[&Held]) -> Self {
-        let sets = || all.iter().flat_map(|held| &held.sets);
+        let claims = || all.iter().flat_map(|held| &held.claims);
         let mean =
             |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
         let level = |(level, name): (Level, &'static str)| {
-            let own = || sets().filter(move |(own, ..)| *own == level);
-            let stated: Vec<f64> = own().map(|(_, _, stated, _)| *stated).collect();
-            (name, Rate::of(own().map(|(.., is_true)| *is_true)), mean(&stated))
+            let own = || claims().filter(move |claim| claim.level == level);
+            let stated: Vec<f64> = own().map(|claim| claim.stated).collect();
+            (name, Rate::of(own().map(|claim| claim.is_true)), mean(&stated))
+        };
+        let mut families: BTreeMap<String, Vec<&Claim>> = BTreeMap::new();
+        claims().for_each(|claim| families.entry(claim.family.clone()).or_default().push(claim));
+        let among = |claims: Vec<&Claim>| {
+            [0, 1, 2].map(|level: usize| Rate::of(claims.iter().filter_map(|claim| claim.among[level])))
         };
         let within = |(index, limit): (usize, &f64)| {
             let each = all.iter().filter(|held| !held.hidden.is_empty());
@@ -115,7 +153,8 @@ impl Answers {
         };
         Self {
             holds: Rate::of(all.iter().flat_map(|held| &held.hidden).map(Option::is_some)),
-            nodes: mean(&sets().map(|(_, nodes, ..)| *nodes as f64).collect::<Vec<_>>()),
+            nodes: mean(&claims().map(|claim| claim.nodes as f64).collect::<Vec<_>>()),
+            families: families.into_iter().map(|(family, own)| (family, among(own))).collect(),
             levels: LEVELS.into_iter().map(level).collect(),
             within: LIMITS.iter().enumerate().map(within).collect(),
         }
@@ -135,6 +174,15 @@ impl Answers {
                 let _ =
                     writeln!(text, "  on the level of a {name}: true {} (stated {stated:.2})", rate.text());
             }
+        }
+        for (family, [law, there, side]) in &self.families {
+            let family = if family.is_empty() { "no family" } else { family };
+            let count = |rate: &Rate| format!("{} of {}", rate.hits, rate.of);
+            let [law, there, side] = [law, there, side].map(count);
+            let _ = writeln!(
+                text,
+                "  {family}: the law is among those listed in {law}, the family in {there}, the place in {side}"
+            );
         }
         for (limit, rate, nodes) in &self.within {
             let _ = writeln!(text, "  within {limit}: {}; {nodes:.2} nodes a case", rate.text());

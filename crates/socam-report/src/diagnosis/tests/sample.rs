@@ -196,6 +196,7 @@ pub(super) fn diagnosis() -> Diagnosis {
         validation: Validation::Holdout,
         findings: vec![friction(), kinematic_error()],
         answer: Vec::new(),
+        ordinary: Vec::new(),
         fit: Fit { channels: fits.collect() },
         parameters: parameters(),
         combinations: vec![CombinationChange {
