@@ -3,7 +3,7 @@
 //!
 //! The tree has three levels: side and place (`machine@load_bearing`, `sensor@torque_in`), family (`friction@load_bearing`), law
 //! (`coulomb_friction@load_bearing`). The laws of a finding are the effect itself, its competing explanations and the laws that contain it.
-//! The probability of a law is its weight times the share of such statements that are true on benches of `challenge` ([`Reliability`]); that of
+//! The probability of a law is its weight times the share of such statements that are true on benches of `challenge`; that of
 //! a family, or of a place, is the sum of the weights below it times the share of such statements that are true. The answer is the deepest
 //! level on which at most [`MOST`] nodes have a probability of [`LIMIT`] together; nothing is deeper than the recordings go.
 //!
@@ -14,17 +14,27 @@ use socam_model::effects::{self, Effect, Family};
 
 use crate::document::{AnswerNode, Diagnosis, Finding, Level, Over, UNEXPLAINED, Verdict};
 
-/// Probability that the nodes of an answer have together.
-pub const LIMIT: f64 = 0.85;
+/// Probability that the nodes of an answer have together. On the benches that were counted such answers hold 90 % of what is hidden.
+pub const LIMIT: f64 = 0.8;
 /// Largest number of laws, or families, that an answer lists.
 pub const MOST: usize = 2;
 
-/// Reliability by family.
-pub const RELIABILITY: [Reliability; 0] = [];
-/// Reliability of a family of which too few were found, and of curves without one.
-pub const OTHERS: Reliability = Reliability { family: Family::Own, law: 1.0, family_there: 1.0, side: 1.0 };
-/// Share of benches with an adequate model on which nothing was hidden that could be detected.
-const SILENCE: f64 = 1.0;
+/// What was counted by family, the deepest level last: a place, a family there, a law. Curves are counted together, the last row. `challenge`
+/// prints such counts; docs/diagnosis-measured.md has the cases.
+const COUNTED: [(Option<Family>, [Counted; 3]); 8] = [
+    (Some(Family::Friction), [of(47, 49), of(47, 49), of(33, 45)]),
+    (Some(Family::Elastic), [of(3, 4), of(3, 4), of(3, 4)]),
+    (Some(Family::Periodic), [of(5, 5), of(5, 5), of(5, 5)]),
+    (Some(Family::Load), [of(3, 6), of(2, 6), of(2, 6)]),
+    (Some(Family::Timing), [of(0, 0), of(0, 0), of(0, 0)]),
+    (Some(Family::Reading), [of(7, 7), of(6, 7), of(5, 6)]),
+    (Some(Family::Interference), [of(3, 3), of(3, 3), of(3, 3)]),
+    (None, [of(16, 19), of(8, 11), of(0, 0)]),
+];
+/// Findings of any family, for those of which few were counted: as many as this many of all count with theirs.
+const BORROWED: f64 = 2.0;
+/// Share of diagnoses without any finding on whose benches nothing was hidden that could be detected: 15 of 15, and one of two before any.
+const SILENCE: f64 = 16.0 / 17.0;
 /// Least probability of a node that is listed on the last level.
 const LEAST: f64 = 0.05;
 /// Levels, the deepest first.
@@ -34,18 +44,24 @@ const NONE: &str = "none";
 const MACHINE: &str = "machine";
 const SENSOR: &str = "sensor";
 
-/// Shares of the findings of one family that were true on benches of `challenge`: those that are the law that was named, those of a law of its
-/// family at that place, and those on that side at that place.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reliability {
-    /// The family.
-    pub family: Family,
-    /// The law.
-    pub law: f64,
-    /// The family at that place.
-    pub family_there: f64,
-    /// Physics of the machine there, or an error of that sensor.
-    pub side: f64,
+/// Findings with the truth among what they may be, and all of them.
+#[derive(Debug, Clone, Copy)]
+struct Counted {
+    hits: u32,
+    of: u32,
+}
+
+const fn of(hits: u32, of: u32) -> Counted {
+    Counted { hits, of }
+}
+
+/// Share of a family's findings, or of curves, that hold the truth on a level. Of a family of which few were counted, it is drawn towards the share of all.
+fn reliability(family: Option<Family>, level: Level) -> f64 {
+    let counts = || COUNTED.iter().map(move |(family, levels)| (*family, levels[level as usize]));
+    let sum = |pick: fn(Counted) -> u32| f64::from(counts().map(|(_, own)| pick(own)).sum::<u32>());
+    let all = sum(|own| own.hits) / sum(|own| own.of);
+    let own = counts().find(|(known, _)| *known == family).map_or(of(0, 0), |(_, own)| own);
+    (f64::from(own.hits) + BORROWED * all) / (f64::from(own.of) + BORROWED)
 }
 
 /// One law that a finding may be.
@@ -53,6 +69,8 @@ struct Leaf<'a> {
     /// Id of the effect; `None` where a curve stands for a law.
     law: Option<&'a str>,
     family: Option<Family>,
+    /// Whether the finding is a curve, and not only needs one beside it.
+    is_curve: bool,
     is_of_a_sensor: bool,
     place: &'a str,
     weight: f64,
@@ -68,11 +86,9 @@ impl Leaf<'_> {
         }
     }
 
-    /// Share of statements like it on a level that are true.
-    fn reliability(&self, level: Level) -> f64 {
-        let known = RELIABILITY.iter().find(|known| Some(known.family) == self.family);
-        let of = |own: &Reliability| [own.side, own.family_there, own.law][level as usize];
-        known.map_or(of(&OTHERS), of)
+    /// Under which it is counted.
+    fn counted_as(&self) -> Option<Family> {
+        self.family.filter(|_| !self.is_curve)
     }
 
     /// Its node on a level, or on the deepest level above that it has.
@@ -105,21 +121,21 @@ pub fn within(diagnosis: &Diagnosis, limit: f64) -> Vec<AnswerNode> {
         }];
     }
     let each = diagnosis.findings.iter().enumerate();
-    each.flat_map(|(index, finding)| of(diagnosis, finding, index + 1, limit)).collect()
+    each.flat_map(|(index, finding)| of_one(diagnosis, finding, index + 1, limit)).collect()
 }
 
 /// The probability that a finding is the law that was fitted, at its place; 0 for a curve.
 #[must_use]
 pub fn of_its_law(diagnosis: &Diagnosis, finding: &Finding) -> f64 {
     let own = leaves(diagnosis, finding).into_iter().next().filter(|leaf| leaf.law.is_some());
-    own.map_or(0.0, |leaf| leaf.weight * leaf.reliability(Level::Law))
+    own.map_or(0.0, |leaf| leaf.weight * reliability(leaf.counted_as(), Level::Law))
 }
 
-/// All nodes of a finding on a level, and the family that it is filed under; empty where it has no place or lies above that level.
+/// All nodes of a finding on a level, and the family that it is counted under, `None` for a curve; empty where it has no place or lies above that level.
 #[must_use]
 pub fn on_level(diagnosis: &Diagnosis, finding: &Finding, level: Level) -> (Option<Family>, Vec<AnswerNode>) {
     let leaves = leaves(diagnosis, finding);
-    let family = leaves.first().and_then(|leaf| leaf.family);
+    let family = leaves.first().and_then(Leaf::counted_as);
     let is_there = leaves.iter().all(|leaf| leaf.depth() >= level);
     (family, if is_there { merged(&leaves, level, 0) } else { Vec::new() })
 }
@@ -151,7 +167,7 @@ pub fn words(kind: &str) -> String {
 }
 
 /// The nodes of one finding, the most probable first.
-fn of(diagnosis: &Diagnosis, finding: &Finding, number: usize, limit: f64) -> Vec<AnswerNode> {
+fn of_one(diagnosis: &Diagnosis, finding: &Finding, number: usize, limit: f64) -> Vec<AnswerNode> {
     let leaves = leaves(diagnosis, finding);
     let Some(deepest) = leaves.iter().map(Leaf::depth).min() else { return Vec::new() };
     let mut nodes = Vec::new();
@@ -177,7 +193,7 @@ fn merged(leaves: &[Leaf<'_>], level: Level, number: usize) -> Vec<AnswerNode> {
     let mut nodes: Vec<AnswerNode> = Vec::new();
     for leaf in leaves {
         let node = leaf.node(level);
-        let probability = leaf.weight * leaf.reliability(level);
+        let probability = leaf.weight * reliability(leaf.counted_as(), level);
         match nodes.iter_mut().find(|known| known.node == node) {
             Some(known) => known.probability += probability,
             None => nodes.push(AnswerNode { node, level, probability, finding: Some(number) }),
@@ -197,7 +213,14 @@ fn leaves<'a>(diagnosis: &'a Diagnosis, finding: &'a Finding) -> Vec<Leaf<'a>> {
     let named = |effect: &'a str, place: &'a str, weight: f64| {
         let family = effects::find(effect).map_or(Family::Own, |effect| effect.family);
         let law = (!is_curve_at(place)).then_some(effect);
-        Leaf { law, family: Some(family), is_of_a_sensor: family.is_of_a_sensor(), place, weight }
+        Leaf {
+            law,
+            family: Some(family),
+            is_curve: false,
+            is_of_a_sensor: family.is_of_a_sensor(),
+            place,
+            weight,
+        }
     };
     if finding.effect == UNEXPLAINED {
         return curve(diagnosis, finding).into_iter().collect();
@@ -221,7 +244,7 @@ fn curve<'a>(diagnosis: &'a Diagnosis, finding: &'a Finding) -> Option<Leaf<'a>>
         // What changes as time goes by may be any law whose parameter drifts.
         Over::Time | Over::Frequency => None,
     };
-    Some(Leaf { law: None, family, is_of_a_sensor, place: &finding.location, weight: 1.0 })
+    Some(Leaf { law: None, family, is_curve: true, is_of_a_sensor, place: &finding.location, weight: 1.0 })
 }
 
 #[cfg(test)]
@@ -248,10 +271,17 @@ mod tests {
     fn an_answer_is_as_deep_as_its_limit_allows() {
         let sure = diagnosis(Vec::new(), Vec::new());
         assert_eq!(nodes(&sure, 0.5), ["coulomb_friction@motor_bearing"]);
+        // Laws of friction are taken for one another too often for more.
+        assert_eq!(nodes(&sure, LIMIT), ["friction@motor_bearing"]);
         let stribeck = rival("stribeck_friction", "motor_bearing", 0.45);
         for tied in [diagnosis(vec![stribeck.clone()], Vec::new()), diagnosis(Vec::new(), vec![stribeck])] {
-            assert_eq!(nodes(&tied, 0.5), ["coulomb_friction@motor_bearing"]);
-            assert_eq!(within(&tied, 1.1)[0].node, "machine@motor_bearing");
+            assert_eq!(nodes(&tied, 0.3), ["coulomb_friction@motor_bearing"]);
+            assert_eq!(
+                nodes(&tied, 0.6),
+                ["coulomb_friction@motor_bearing", "stribeck_friction@motor_bearing"]
+            );
+            assert_eq!(nodes(&tied, LIMIT), ["friction@motor_bearing"]);
+            assert_eq!(nodes(&tied, 1.1), ["machine@motor_bearing"]);
         }
         let places = ["motor_bearing", "load_bearing", "cam_bearing"];
         let many = places.map(|place| rival("stribeck_friction", place, 0.2));
@@ -261,29 +291,16 @@ mod tests {
         assert_eq!(all[0].parts().1, "motor_bearing");
     }
 
+    /// Of families of which few were counted a statement is worth about as much as of all, and no level above is worth less.
     #[test]
-    fn an_answer_only_grows_with_its_limit() {
-        let competing = vec![
-            rival("stribeck_friction", "motor_bearing", 0.3),
-            rival("coulomb_friction", "load_bearing", 0.15),
-            rival("sensor_offset", "torque_in", 0.1),
-        ];
-        let diagnosis = diagnosis(competing, Vec::new());
-        let leaves = leaves(&diagnosis, &diagnosis.findings[0]);
-        let covered = |limit: f64| {
-            let nodes = within(&diagnosis, limit);
-            let is_in = |leaf: &Leaf<'_>| {
-                nodes.iter().any(|node| {
-                    [Level::Law, Level::Family, Level::Side]
-                        .map(|level| leaf.node(level))
-                        .contains(&node.node)
-                })
-            };
-            leaves.iter().map(|leaf| is_in(leaf)).collect::<Vec<_>>()
-        };
-        let limits: Vec<Vec<bool>> = (1..20).map(|step| covered(0.05 * f64::from(step))).collect();
-        for pair in limits.windows(2) {
-            assert!(pair[0].iter().zip(&pair[1]).all(|(before, after)| !before || *after), "{limits:?}");
+    fn reliability_is_a_share() {
+        let families = effects::CATALOGUE.iter().map(|effect| Some(effect.family)).chain([None]);
+        for family in families {
+            let [law, there, side] = LEVELS.map(|level| reliability(family, level));
+            assert!(
+                0.0 < law && law <= there && there <= side && side < 1.0,
+                "{family:?}: {law} {there} {side}"
+            );
         }
     }
 

@@ -230,7 +230,10 @@ fn keys_with_shift_are_told_from_those_without() {
 fn checks_are_sorted_and_unfold() {
     let mut window = with(View::Check, 3);
     window.state_mut().add_recording(sample::of("runs/a-short.csv", vec![0.0, 1e-3], vec![vec![1.0; 2]; 2]));
-    until(&mut window, "checks", |window| !window.state().is_busy());
+    // A check that has not begun yet is no work either.
+    let is_checked =
+        |window: &Harness<'static, Dashboard>| window.query_by_label("a-short.csv: findings").is_some();
+    until(&mut window, "checks", |window| is_checked(window) && !window.state().is_busy());
     window.run_steps(3);
     let top = |window: &Harness<'static, Dashboard>, name: &str| window.get_by_label(name).rect().top();
     assert!(top(&window, "a-short.csv") > top(&window, "multisine-0.mcap"));

@@ -56,8 +56,7 @@ fn probable(diagnosis: &Diagnosis, finding: &Finding, number: Option<usize>) -> 
     let each = if each.len() > 1 { format!(" ({})", words::list(&each, "and")) } else { String::new() };
     let own = answer::of_its_law(diagnosis, finding);
     let own = if level < Level::Law && own > 0.0 {
-        let fitted = format!("{} at {}", words::effect(&finding.effect), finding.location);
-        format!(", with {} {fitted}", words::percent(own))
+        format!(", with {} {}", words::percent(own), claim::fitted(finding, &nodes, " there"))
     } else {
         String::new()
     };

@@ -23,9 +23,8 @@ pub(super) fn claim(diagnosis: &Diagnosis, finding: &Finding) -> Claim {
 /// A finding with its place, as deep as the recordings go: the laws that tie, or what they have in common, where they are too many.
 pub(super) fn what(diagnosis: &Diagnosis, finding: &Finding) -> String {
     if is_shallow(diagnosis, finding) {
-        let common = common(&answer::of_finding(diagnosis, finding));
-        let fitted = together(&[&finding.effect], &[&finding.location]);
-        return format!("{common}, fitted as {fitted}");
+        let nodes = answer::of_finding(diagnosis, finding);
+        return format!("{}, fitted as {}", common(&nodes), fitted(finding, &nodes, ""));
     }
     let all = explanations(diagnosis, finding);
     let (shown, more) = (&all[..all.len().min(NAMED)], all.len().saturating_sub(NAMED));
@@ -40,6 +39,13 @@ pub(super) fn what(diagnosis: &Diagnosis, finding: &Finding) -> String {
         effects.iter().map(of).collect::<Vec<_>>().join(", or ")
     };
     if more > 0 { format!("{text}, or one of {more} other explanations") } else { text }
+}
+
+/// The law that was fitted, with its place or, where the answer's nodes have no other, `there`.
+pub(super) fn fitted(finding: &Finding, nodes: &[&AnswerNode], there: &str) -> String {
+    let effect = words::effect(&finding.effect);
+    let elsewhere = nodes.iter().any(|node| node.parts().1 != finding.location);
+    if elsewhere { format!("{effect} at {}", finding.location) } else { format!("{effect}{there}") }
 }
 
 /// Whether the recordings leave open which law a named finding is.

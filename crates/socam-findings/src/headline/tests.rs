@@ -1,5 +1,5 @@
 use super::*;
-use crate::document::{HeldOut, ProofOutcome, Rival, Validation};
+use crate::document::{AnswerNode, HeldOut, Level, ProofOutcome, Rival, Validation};
 
 fn example() -> Diagnosis {
     serde_json::from_str(include_str!("example.json")).unwrap()
@@ -68,6 +68,13 @@ Missing: Physics is missing: Coulomb friction at motor_bearing
 Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
 Its weight among the explanations that were fitted is 79 %; next is Stribeck friction at motor_bearing with 21 %.";
 
+const OPEN: &str = "\
+Missing: Physics is missing: friction, drag or a loss at motor_bearing, fitted as Coulomb friction
+1. friction, drag or a loss at motor_bearing, fitted as Coulomb friction: torque 0.3010 N m (95 % interval 0.2951 to 0.3069)
+Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
+With a probability of 90 % it is friction, drag or a loss at motor_bearing, with 73 % Coulomb friction there.
+Probabilities are frequencies on the benches of the challenge; on other machines they may differ.";
+
 const NOTHING: &str = "\
 Adequate: Nothing is missing that these recordings could show
 On data that were not fitted, the worst channel, output_speed, is missed by 3.3 times its noise floor.
@@ -129,10 +136,19 @@ fn headlines_read_as_expected() {
     contradicted.held_out =
         Some(HeldOut { outcome: ProofOutcome::Failed, sentence: "The proof failed.".into() });
     contradicted.findings.push(nameless("load"));
+    let mut open = with_rivals(&[]);
+    let node = |node: &str, level, probability| AnswerNode {
+        node: node.into(),
+        level,
+        probability,
+        finding: Some(1),
+    };
+    open.answer = vec![node("friction@motor_bearing", Level::Family, 0.9)];
     let cases = [
         (example(), TIED),
         (with_rivals(&[]), ALONE),
         (with_rivals(&[("stribeck_friction", "motor_bearing", 0.21)]), BESIDE),
+        (open, OPEN),
         (adequate, NOTHING),
         (ordinary, ORDINARY),
         (nothing_yet, CUT_OFF),

@@ -136,9 +136,10 @@ fn rivals_that_tie_stand_in_the_headline() {
     let mut diagnosis = sample::diagnosis();
     diagnosis.findings.truncate(1);
     diagnosis.findings[0].rivals = vec![sample::rival("coulomb_friction", "load_bearing", 0.48)];
+    diagnosis.answer = socam_findings::answer::answer(&diagnosis);
     let evidence = signals::evidence(&diagnosis.recordings, 500);
     let text = report("tied", &diagnosis, &evidence, &speed_o_cam());
-    let title = "Physics is missing: Coulomb friction, at either bearing (cam_bearing or load_bearing)";
+    let title = "Physics is missing: friction, drag or a loss at cam_bearing or load_bearing, fitted as Coulomb friction at cam_bearing";
     assert!(text.contains(title) && text.contains("place of a rival"), "{text}");
 }
 

@@ -29,7 +29,7 @@ pub(super) struct Held {
 /// A finding that claims something.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Claim {
-    /// Family of its law; empty for a curve without one.
+    /// Family of its law; empty for a curve.
     family: String,
     /// Level of the answer's nodes.
     level: Level,
@@ -176,7 +176,7 @@ impl Answers {
             }
         }
         for (family, [law, there, side]) in &self.families {
-            let family = if family.is_empty() { "no family" } else { family };
+            let family = if family.is_empty() { "curves" } else { family };
             let count = |rate: &Rate| format!("{} of {}", rate.hits, rate.of);
             let [law, there, side] = [law, there, side].map(count);
             let _ = writeln!(
