@@ -244,7 +244,7 @@ fn recordings_of_the_board_are_diagnosed_and_identified() {
         let delay = delay.filter(|one| one["effect"] == "sensor_delay" && one["location"] == channel);
         let smallest_us = delay.map(|one| 1e6 * one["smallest_detectable"].as_f64().unwrap()).next().unwrap();
         println!("measured: a delay of {channel} would have been seen from {smallest_us:.1} us on");
-        assert!(smallest_us < 20.0, "{channel}: {smallest_us} us");
+        assert!(smallest_us < 40.0, "{channel}: {smallest_us} us");
     }
     assert_identified(&training, &corrected);
 }

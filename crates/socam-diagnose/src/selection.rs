@@ -13,7 +13,6 @@ use crate::{
     candidate::Candidate,
     context::{Context, FAR_BEYOND_NOISE, FittedModel},
     criterion::{self, Difference, Scored},
-    drag::Drags,
     equivalence::equivalents,
     extension::carried_over,
     nonparametric::term::Unexplained,
@@ -66,8 +65,8 @@ pub(crate) struct Term {
     pub(crate) rivals: Vec<(Candidate, f64)>,
     /// Laws that contain the term's law and predict no better than it by more than it may be wrong by, and their shares of the term's own weight.
     pub(crate) richer: Vec<(Candidate, f64)>,
-    /// Drag of the term's bearing by other laws in its place that predict as well.
-    pub(crate) drags: Vec<Drags>,
+    /// Drag of the term's bearing at three speeds by other laws in its place that predict as well, see `drag`.
+    pub(crate) drags: Vec<[f64; 3]>,
     /// Gain of the last model over the model without this term.
     pub(crate) gain: Difference,
     /// The last model without this term, at its fit.
