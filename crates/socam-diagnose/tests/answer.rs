@@ -35,7 +35,7 @@ fn recorded(friction: fn(f64) -> f64, noise_m_per_s: f64) -> Vec<Dataset> {
             }
         }
         let channels = vec![Channel::new("force", Unit::N), Channel::new("speed", Unit::MPerS)];
-        Dataset::from_columns(&format!("run {number}"), channels, time_s, vec![forces, speeds]).unwrap()
+        Dataset::from_columns(format!("run {number}"), channels, time_s, vec![forces, speeds]).unwrap()
     };
     (0..3).map(record).collect()
 }
@@ -62,8 +62,8 @@ fn bent(speed: f64) -> f64 {
 /// the truth, and the family at the guide is in the answer.
 #[test]
 fn the_drag_is_right_whatever_the_law_is_called() {
-    let frictions: [(fn(f64) -> f64, f64); 4] =
-        [(plain, 2e-3), (falling, 2e-3), (falling, 2e-2), (bent, 2e-3)];
+    type Case = (fn(f64) -> f64, f64);
+    let frictions: [Case; 4] = [(plain, 2e-3), (falling, 2e-3), (falling, 2e-2), (bent, 2e-3)];
     for (number, (friction, noise)) in frictions.into_iter().enumerate() {
         let answer = diagnosed(friction, noise);
         let finding = answer.findings.iter().find(|finding| !finding.drag.is_empty());

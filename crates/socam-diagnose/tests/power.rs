@@ -58,7 +58,7 @@ fn recorded((effect, size): (&str, f64), draw: u64) -> Vec<Dataset> {
             }
         }
         let channels = vec![Channel::new("force", Unit::N), Channel::new("speed", Unit::MPerS)];
-        Dataset::from_columns(&format!("run {number}"), channels, time_s, vec![forces, speeds]).unwrap()
+        Dataset::from_columns(format!("run {number}"), channels, time_s, vec![forces, speeds]).unwrap()
     };
     (0..3).map(record).collect()
 }

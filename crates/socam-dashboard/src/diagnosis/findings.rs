@@ -104,7 +104,7 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, proof: Proof<'_>, se
         }
         for drag in &finding.drag {
             let size = numbers::quantity(Some(drag.torque), drag.ci95, &drag.torque_unit);
-            ui.add(egui::Label::new(format!("{}: {size}, with the bearing's damping", drag.name())).wrap());
+            ui.add(egui::Label::new(format!("{}: {size}", drag.name())).wrap());
         }
         if !finding.region.text.is_empty() {
             ui.label(RichText::new(format!("acts {}", finding.region.text)).color(theme::weak(ui)));

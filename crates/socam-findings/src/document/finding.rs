@@ -69,10 +69,10 @@ pub struct Drag {
 }
 
 impl Drag {
-    /// Its name in a list of parameters: "drag at 1.20 rad/s".
+    /// Its name in a list of parameters: "drag and damping at 1.20 rad/s".
     #[must_use]
     pub fn name(&self) -> String {
-        format!("drag at {} {}", words::number(Some(self.speed)), words::unit(&self.speed_unit))
+        format!("drag and damping at {} {}", words::number(Some(self.speed)), words::unit(&self.speed_unit))
     }
 }
 

@@ -78,7 +78,7 @@ fn parameters(finding: &Finding) -> Markup {
             }
         }
         @if !finding.drag.is_empty() {
-            p class="note" { "Drag is the steady torque against the motion, with the bearing's damping. Laws of one family share it, where their parameters differ." }
+            p class="note" { "This is the steady torque against the motion. Laws of one family share it, where their parameters differ." }
         }
     }
 }

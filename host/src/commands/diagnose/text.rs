@@ -64,7 +64,7 @@ fn one(number: usize, finding: &Finding, proof: Proof<'_>) -> String {
     }
     for own in &finding.drag {
         let size = words::quantity(Some(own.torque), own.ci95, &own.torque_unit);
-        line(format!("{} = {size}, with the bearing's damping", own.name()));
+        line(format!("{} = {size}", own.name()));
     }
     let evidence = &finding.evidence;
     if !finding.region.text.is_empty() {
