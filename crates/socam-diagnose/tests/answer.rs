@@ -1,49 +1,14 @@
 //! The answer is as deep as the recordings go, and states what laws of one family share.
 
-use std::error::Error;
+mod carriage;
 
+use carriage::Carriage;
 use socam_diagnose::document::{Diagnosis, Level};
-use socam_diagnose::{HeldOut, Options, diagnose};
-use socam_model::Model;
-use socam_recording::{Channel, Dataset, Unit};
 
-fn bench() -> Result<(Model, [Dataset; 4]), Box<dyn Error>> {
-    Ok(include!("doc/axis.rs"))
-}
-
-/// The carriage of the documentation with a friction (N by m/s) of one's own beside a damping of 25 N s/m, by Euler steps of 50 us,
-/// sampled every 2 ms.
-fn recorded(friction: fn(f64) -> f64, noise_m_per_s: f64) -> Vec<Dataset> {
-    let record = |number: u64| {
-        let (mut speed, mut random) = (0.0_f64, 77 + number);
-        let (mut time_s, mut forces, mut speeds) = (Vec::new(), Vec::new(), Vec::new());
-        let pace = 1.3 * number as f64;
-        for k in 0..1200 {
-            let t = 0.002 * f64::from(k);
-            let force = |t: f64| 30.0 * ((7.0 + pace) * t).sin() + 20.0 * ((19.0 - pace) * t).sin();
-            // The sum of four uniform numbers.
-            let mut scatter = 0.0;
-            for _ in 0..4 {
-                random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-                scatter += (random >> 11) as f64 / 2f64.powi(53) - 0.5;
-            }
-            time_s.push(t);
-            forces.push(force(t));
-            speeds.push(speed + noise_m_per_s * 3f64.sqrt() * scatter);
-            for part in 0..40 {
-                speed += 5e-5 * (force(t + 5e-5 * f64::from(part)) - 25.0 * speed - friction(speed)) / 12.0;
-            }
-        }
-        let channels = vec![Channel::new("force", Unit::N), Channel::new("speed", Unit::MPerS)];
-        Dataset::from_columns(format!("run {number}"), channels, time_s, vec![forces, speeds]).unwrap()
-    };
-    (0..3).map(record).collect()
-}
-
+/// Beside a damping of 25 N s/m.
 fn diagnosed(friction: fn(f64) -> f64, noise_m_per_s: f64) -> Diagnosis {
-    let (model, _) = bench().unwrap();
-    let recordings = recorded(friction, noise_m_per_s);
-    diagnose(&model, &recordings, HeldOut::none(), &Options::default()).unwrap().diagnosis
+    let resists = |_, speed: f64| 25.0 * speed + friction(speed);
+    Carriage { resists: &resists, delay_s: 0.0, offset_m_per_s: 0.0, noise_m_per_s, seed: 77 }.diagnosed()
 }
 
 fn plain(speed: f64) -> f64 {
