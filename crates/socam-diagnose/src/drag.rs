@@ -62,7 +62,8 @@ fn each(path: &Path, fitted: &FittedModel, candidate: &Candidate) -> Option<(Dra
     let bearing = fitted.model.bearings.iter().find(|bearing| bearing.name == candidate.place)?;
     let laws = laws(&fitted.model, &candidate.place)?;
     let speeds = SHARES.map(|share| share * largest);
-    Some((speeds, speeds.map(|speed| torque((bearing, &laws), &fitted.at.values, speed))))
+    let [low, middle, high] = speeds.map(|speed| torque((bearing, &laws), &fitted.at.values, speed));
+    Some((speeds, [low?, middle?, high?]))
 }
 
 /// The laws at a bearing in steady motion; `None` where one depends on more than speed. Presliding does not show in steady motion.
@@ -88,7 +89,7 @@ fn torque(
     (bearing, laws): (&Bearing, &[(&EffectUse, &'static Effect)]),
     values: &[f64],
     speed: f64,
-) -> Steady {
+) -> Option<Steady> {
     let damping = bearing.damping.map(|index| (index, speed));
     let mut found = Steady {
         torque: damping.map_or(0.0, |(index, speed)| values[index] * speed),
@@ -101,23 +102,19 @@ fn torque(
             let mut own = used.effect.parameters.iter().zip(&used.parameters);
             own.find(|(parameter, _)| parameter.name == name).map(|(_, index)| *index)
         };
-        let indices: Vec<Option<usize>> = plain.parameters.iter().map(|own| index(own.name)).collect();
-        let usual = |k: usize| plain.parameters[k].default.map_or(f64::NAN, |(rotation, _)| rotation);
-        let parameters: Vec<f64> = indices
-            .iter()
-            .enumerate()
-            .map(|(k, index)| index.map_or(usual(k), |index| values[index]))
-            .collect();
+        let indices: Option<Vec<usize>> = plain.parameters.iter().map(|own| index(own.name)).collect();
+        let indices = indices?;
+        let parameters: Vec<f64> = indices.iter().map(|index| values[*index]).collect();
         for law in plain.laws() {
             let response = law.evaluate(&[speed], &parameters);
             found.torque -= response.torque;
             for (k, index) in indices.iter().enumerate() {
                 let derivative = -response.by_parameter[k];
-                found.gradient.extend(index.map(|index| (index, derivative)));
+                found.gradient.push((*index, derivative));
                 let least = used.effect.least_half_width(plain.parameters[k].name, parameters[k]);
                 found.least_half_width += (derivative * least).abs();
             }
         }
     }
-    found
+    Some(found)
 }

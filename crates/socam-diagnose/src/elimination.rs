@@ -8,12 +8,13 @@ use crate::{
     candidate::Candidate,
     candidates,
     context::{self, Context, FittedModel},
-    criterion, drag,
+    criterion,
+    drag::{self, Drags},
     extension::carried_over,
     halving,
     journal::{self, Fate},
     nested,
-    selection::{EXCESS, Path},
+    selection::{EXCESS, Path, Term},
 };
 
 /// Rounds of a fit without a term: `(iterations, multiple)` of `descend_in_rounds`, relative to the deviance with the term.
@@ -25,6 +26,26 @@ const CONTINUED: usize = 2;
 
 /// Share of the excess at the last attempt below which nested laws are tried again.
 const RETRY_SHARE: f64 = 0.5;
+
+/// A law that contains a term's law and did not take its place.
+struct Richer {
+    law: Candidate,
+    /// Its share of the term's weight.
+    share: f64,
+    /// Drag of the bearing with it.
+    drags: Option<Drags>,
+}
+
+impl Term {
+    /// Keeps a law that contains the term's law. Another form of the same effect has the same name, and only its drag is kept.
+    fn keep(&mut self, richer: Richer) {
+        self.drags.extend(richer.drags);
+        self.richer.retain(|(known, _)| !known.is_same(&richer.law));
+        if !self.candidate.is_same(&richer.law) {
+            self.richer.push((richer.law, richer.share));
+        }
+    }
+}
 
 impl Path {
     /// Removes terms among the first `first`, the latest first, if the model without them predicts as well to within a standard error.
@@ -135,10 +156,11 @@ impl Path {
             let is_needed = Self::is_better(&self.noise, gained, (&self.last, &fitted))
                 && gained.log_score > self.least_gain_over(index)(&simpler);
             if !is_needed {
-                let richer = self.terms[index].candidate.clone();
-                let rich = std::mem::replace(&mut self.last, fitted);
+                let law = self.terms[index].candidate.clone();
+                let richer = self.richer(context, index, (law, &self.last), &fitted);
+                self.last = fitted;
                 self.take_law(context, index, simpler);
-                self.keep_richer(context, index, (richer, &rich), &self.last.clone());
+                self.terms[index].keep(richer);
                 break;
             }
         }
@@ -230,7 +252,8 @@ impl Path {
         let Some((after, before)) = after.zip(before).filter(|_| !context.stops()) else { return Ok(false) };
         let gained = self.gain(&after, &before);
         if gained.log_score <= gained.std.max(least(&candidate)) {
-            self.keep_richer(context, index, (candidate, &after), &before);
+            let richer = self.richer(context, index, (candidate, &after), &before);
+            self.terms[index].keep(richer);
             return Ok(false);
         }
         (self.last, self.noise) = (after, noise);
@@ -254,24 +277,17 @@ impl Path {
         term.candidate = law;
     }
 
-    /// Notes a law that contains a term's law, and that did not take its place, with its share of the term's weight; `rich` and `simple` are
-    /// the models with the two laws. Another form of the same effect has the same name, and is not noted.
-    fn keep_richer(
-        &mut self,
+    /// A law that contains a term's law, beside it; `rich` and `simple` are the models with the two laws.
+    fn richer(
+        &self,
         context: &Context<'_>,
         index: usize,
         (law, rich): (Candidate, &FittedModel),
         simple: &FittedModel,
-    ) {
+    ) -> Richer {
         let models = [self.scored(simple), self.scored(rich)];
-        let share = criterion::weights(&models, self.terms[index].gain.log_score, context.options.seed)[1];
-        let drag = drag::of_fit(self, rich, &law);
-        let term = &mut self.terms[index];
-        term.drags.extend(drag);
-        term.richer.retain(|(known, _)| !known.is_same(&law));
-        if !term.candidate.is_same(&law) {
-            term.richer.push((law, share));
-        }
+        let weights = criterion::weights(&models, self.terms[index].gain.log_score, context.options.seed);
+        Richer { share: weights[1], drags: drag::of_fit(self, rich, &law), law }
     }
 
     /// Replaces a term's law in the last model by another law, fits a few rounds from each of several starts to an excerpt of long recordings,
