@@ -158,7 +158,7 @@ pub fn is_below(effect: &Effect, kind: &str) -> bool {
 /// What a node says without its place, within a sentence: "friction, drag or a loss".
 #[must_use]
 pub fn words(kind: &str) -> String {
-    let family = effects::CATALOGUE.iter().map(|effect| effect.family).find(|family| family.id() == kind);
+    let family = Family::ALL.into_iter().find(|family| family.id() == kind);
     match kind {
         MACHINE => "something of the machine".into(),
         SENSOR => "an error of the sensor".into(),
@@ -225,8 +225,7 @@ fn leaves<'a>(diagnosis: &'a Diagnosis, finding: &'a Finding) -> Vec<Leaf<'a>> {
     if finding.effect == UNEXPLAINED {
         return curve(diagnosis, finding).into_iter().collect();
     }
-    let sum = |all: &[crate::document::Rival]| all.iter().map(|own| own.weight).sum::<f64>();
-    let own = (1.0 - sum(&finding.rivals) - sum(&finding.richer)).max(0.0);
+    let own = finding.weight_of_its_law();
     let others = finding.rivals.iter().chain(&finding.richer);
     let others = others.map(|rival| named(&rival.effect, &rival.location, rival.weight));
     std::iter::once(named(&finding.effect, &finding.location, own)).chain(others).collect()
@@ -333,6 +332,7 @@ mod tests {
     fn nodes_have_words() {
         assert_eq!(words("friction"), "friction, drag or a loss");
         assert_eq!(words("coulomb_friction"), "Coulomb friction");
+        assert_eq!(words(Family::Own.id()), "a law of the model file");
         assert_eq!(words(SENSOR), "an error of the sensor");
         let backlash = effects::find("backlash").unwrap();
         assert!(["backlash", "elastic", "machine"].iter().all(|kind| is_below(backlash, kind)));

@@ -174,6 +174,19 @@ impl Finding {
     pub fn counts(&self) -> bool {
         self.evidence.material != Some(false) && self.evidence.ordinary.is_none()
     }
+
+    /// Its weight beside its rivals, 0 to 1, that of richer laws included.
+    #[must_use]
+    pub fn own_weight(&self) -> f64 {
+        let others = self.rivals.iter().map(|rival| rival.weight).filter(|weight| weight.is_finite());
+        (1.0 - others.sum::<f64>()).clamp(0.0, 1.0)
+    }
+
+    /// Its weight without that of richer laws, 0 to 1.
+    #[must_use]
+    pub fn weight_of_its_law(&self) -> f64 {
+        (self.own_weight() - self.richer.iter().map(|law| law.weight).sum::<f64>()).max(0.0)
+    }
 }
 
 /// A formula that was fitted and not taken.

@@ -70,7 +70,7 @@ fn probable(diagnosis: &Diagnosis, finding: &Finding, number: Option<usize>) -> 
 
 /// The weights of a finding and of its competing explanations; `number` is the finding's, where there are several.
 fn rivals(finding: &Finding, claim: &Claim, number: Option<usize>) -> Option<String> {
-    let own = claim::own_weight(finding);
+    let own = finding.own_weight();
     let head = number.map_or_else(String::new, |number| format!("Finding {number}: "));
     if claim.tied {
         let weights = std::iter::once(own).chain(claim::ties(finding).map(|rival| rival.weight));

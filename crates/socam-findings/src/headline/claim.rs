@@ -69,17 +69,10 @@ pub(super) fn common(nodes: &[&AnswerNode]) -> String {
     each.collect::<Vec<_>>().join("; or ")
 }
 
-/// Weight of a finding beside its competing explanations, 0 to 1.
-pub(super) fn own_weight(finding: &Finding) -> f64 {
-    let others: f64 =
-        finding.rivals.iter().map(|rival| rival.weight).filter(|weight| weight.is_finite()).sum();
-    (1.0 - others).clamp(0.0, 1.0)
-}
-
 /// The competing explanations that tie with a finding.
 pub(super) fn ties(finding: &Finding) -> impl Iterator<Item = &Rival> {
     // The finding leads the list even if its rivals have all the weight.
-    let least = TIE * own_weight(finding).max(0.1);
+    let least = TIE * finding.own_weight().max(0.1);
     finding.rivals.iter().filter(move |rival| rival.weight >= least && finding.effect != UNEXPLAINED)
 }
 

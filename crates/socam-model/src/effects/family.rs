@@ -22,6 +22,18 @@ pub enum Family {
 }
 
 impl Family {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::Friction,
+        Self::Elastic,
+        Self::Periodic,
+        Self::Load,
+        Self::Timing,
+        Self::Reading,
+        Self::Interference,
+        Self::Own,
+    ];
+
     /// Id, as in reports.
     #[must_use]
     pub fn id(self) -> &'static str {

@@ -150,9 +150,6 @@ fn evidence(finding: &Finding, proof: Proof<'_>) -> Markup {
 
 /// Competing models with their weights as bars.
 fn rivals(finding: &Finding) -> Markup {
-    let weights = finding.rivals.iter().map(|rival| rival.weight).filter(|weight| weight.is_finite());
-    let richer: f64 = finding.richer.iter().map(|law| law.weight).sum();
-    let own = 1.0 - weights.sum::<f64>() - richer;
     let bar = |name: Markup, weight: f64| {
         let share = if weight.is_finite() { weight.clamp(0.0, 1.0) } else { 0.0 };
         html! {
@@ -176,7 +173,7 @@ fn rivals(finding: &Finding) -> Markup {
                 table {
                     thead { tr { th { "Explanation" } th class="n" { "Weight" } th {} } }
                     tbody {
-                        (bar(html! { "This finding" }, own.max(0.0)))
+                        (bar(html! { "This finding" }, finding.weight_of_its_law()))
                         @for rival in &finding.rivals { (bar(name(rival), rival.weight)) }
                         @for law in &finding.richer { (bar(html! { (name(law)) ", which contains it" }, law.weight)) }
                     }

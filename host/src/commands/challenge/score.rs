@@ -125,11 +125,6 @@ fn lost(case: &Case, answer: &Diagnosis) -> Vec<CandidateFate> {
     of_catalogue.map(fate).filter(|fate| fate.stage != Stage::Found).collect()
 }
 
-/// Weight of a finding among its rivals.
-fn own_weight(finding: &Finding) -> f64 {
-    (1.0 - finding.rivals.iter().map(|rival| rival.weight).sum::<f64>()).clamp(0.0, 1.0)
-}
-
 fn is_named((effect, place): (&str, &str), hidden: &Hidden) -> bool {
     effect == hidden.effect && place == hidden.place
 }
@@ -213,7 +208,7 @@ fn is_it(finding: &Finding, hidden: &Hidden, index: usize, equivalent: &Equivale
 }
 
 fn has_tying_truth(case: &Case, finding: &Finding) -> bool {
-    let own = own_weight(finding);
+    let own = finding.own_weight();
     let is_tied = |weight: f64| own <= TIE * weight;
     finding
         .rivals
@@ -252,7 +247,7 @@ fn probabilities(case: &Case, findings: &[Finding]) -> Vec<f64> {
 fn weights(finding: &Finding) -> impl Iterator<Item = (&str, &str, f64)> {
     let rivals =
         finding.rivals.iter().map(|rival| (rival.effect.as_str(), rival.location.as_str(), rival.weight));
-    std::iter::once((finding.effect.as_str(), finding.location.as_str(), own_weight(finding))).chain(rivals)
+    std::iter::once((finding.effect.as_str(), finding.location.as_str(), finding.own_weight())).chain(rivals)
 }
 
 /// Weight of each named statement, and whether it is true of the hidden effects or of the background; empty if the hidden effect
