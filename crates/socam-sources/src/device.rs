@@ -62,6 +62,13 @@ pub enum Heard {
     Talk(String),
     /// A fault that the device reports, in words.
     Fault(String),
+    /// The end of a run that commanded the device, which is at rest as far as it says.
+    End {
+        /// Why it ended before its profile.
+        reason: Option<String>,
+        /// Whether the operator ended it.
+        by_operator: bool,
+    },
 }
 
 /// A source of samples, as a protocol without input or output.
@@ -93,4 +100,15 @@ pub trait Device: Send {
 
     /// The link was interrupted: bytes of an unfinished message are dropped.
     fn interrupted(&mut self, heard: &mut Vec<Heard>);
+
+    /// Begins to end a run that commands the device: by its profile's fade, or at once. Returns whether that takes until
+    /// [`Heard::End`]; a device that is only listened to has nothing to end.
+    fn end(&mut self, _now_ns: i64, _at_once: bool) -> bool {
+        false
+    }
+
+    /// What must be sent to a device that moves before the link is left, whatever happened.
+    fn last_words(&self) -> Option<Vec<u8>> {
+        None
+    }
 }

@@ -11,11 +11,16 @@
 //! | [`odrive`] | an ODrive by its protocol of text |
 //! | [`simulators`] | simulations of these drives, for tests and rehearsals |
 //!
+//! A [`Drive`] is a device that can be commanded, by the [`Order`] that its next question carries; [`Commanded`] is the only one that gives
+//! orders: it follows a profile within [`Limits`], stops the drive at its end and at whatever goes wrong, and is itself a [`Device`].
+//!
 //! Values are SI. Times are ns of one host clock that never goes back.
 
 mod asking;
+mod commanded;
 mod description;
 mod device;
+mod drive;
 mod error;
 pub mod moteus;
 pub mod odrive;
@@ -23,7 +28,9 @@ pub mod simulators;
 pub mod text;
 mod timeline;
 
+pub use commanded::Commanded;
 pub use description::{ClockColumn, Description, SCHEMA};
 pub use device::{Chunk, Device, Heard, Numbering, Row};
+pub use drive::{Drive, Limits, Order, Readiness, Standing, Watched};
 pub use error::{Result, SourceError};
 pub use timeline::{ClockMap, Counts, Placed, Timeline};

@@ -1,23 +1,30 @@
-//! A moteus servo drive behind an fdcanusb, which sends frames of CAN FD as lines of text. It is asked for each sample.
+//! A moteus servo drive behind an fdcanusb, which sends frames of CAN FD as lines of text. It is asked for each sample, and
+//! commanded by [`crate::Commanded`] alone.
+
+mod orders;
+mod registers;
 
 use std::f64::consts::TAU;
 
-use moteus_protocol::fdcanusb::{self, EncodeOptions, Line};
-use moteus_protocol::query::QueryFormat;
-use moteus_protocol::{CanFdFrame, Register, Resolution, calculate_arbitration_id, parse_arbitration_id};
-use moteus_protocol::{Value, scaling};
+use moteus_protocol::fdcanusb::{self, Line};
+use moteus_protocol::{CanFdFrame, Register, parse_arbitration_id, scaling};
 use socam_recording::Channel;
 use socam_units::Unit;
 
 use crate::asking::Asking;
 use crate::device::{Chunk, Device, Heard, Numbering};
+use crate::drive::{Drive, Limits, Order, Readiness, Standing, Watched};
 use crate::error::Result;
 use crate::text::lines::Lines;
+use orders::{fault_name, line, mode_name};
+use registers::registers;
 
 /// Kelvins at 0 degrees Celsius.
 const ZERO_CELSIUS_K: f64 = 273.15;
-/// Mode of a drive in a fault.
+/// Modes of a drive: off, in a fault, and obeying.
+const STOPPED: f64 = 0.0;
 const FAULT: f64 = 1.0;
+const POSITION: f64 = 10.0;
 
 /// What is read of a drive: register, name, unit, and SI value of one.
 const READ: [(Register, &str, Unit, f64); 8] = [
@@ -31,12 +38,15 @@ const READ: [(Register, &str, Unit, f64); 8] = [
     (Register::Fault, "fault", Unit::One, 1.0),
 ];
 
-/// A drive that is asked; it is never commanded.
+/// A drive that is asked. As a [`Drive`] it obeys orders.
 #[derive(Debug)]
 pub struct Moteus {
     id: u8,
     channels: Vec<Channel>,
     question: Vec<u8>,
+    limits: Option<Limits>,
+    /// Mode and fault of the last answer.
+    last: Option<(f64, f64)>,
     asking: Asking,
     lines: Lines,
     fault: Option<f64>,
@@ -56,7 +66,9 @@ impl Moteus {
         Ok(Self {
             id,
             channels: READ.iter().map(|(_, name, unit, _)| Channel::new(*name, *unit)).collect(),
-            question: question(id),
+            question: line(id, Order::Ask, None),
+            limits: None,
+            last: None,
             asking: Asking::new(period_ns),
             lines: Lines::answers(),
             fault: None,
@@ -88,70 +100,73 @@ impl Moteus {
         if values[..3].iter().any(|value| value.is_nan()) {
             return Err("an answer lacks mode, position or speed");
         }
+        self.last = Some((values[0], values[7]));
         let fault = Some(values[7]).filter(|_| values[0] == FAULT);
         if fault != self.fault {
             self.fault = fault;
-            heard.extend(fault.map(|code| Heard::Fault(format!("the moteus reports fault {code}"))));
+            heard.extend(fault.map(|code| Heard::Fault(fault_text(code))));
         }
         Ok(Some(values))
     }
 }
 
-/// Registers of an answer. The parser of `moteus-protocol` is not used here: it panics where a number in a frame is too long.
-fn registers(data: &[u8]) -> Result<Vec<(u16, Value)>, &'static str> {
-    const RESPONSE: u8 = 0x20;
-    const NOTHING: u8 = 0x50;
-    let short = "an answer ends within a register";
-    let (mut rest, mut found) = (data, Vec::new());
-    let byte = |rest: &mut &[u8]| {
-        let (first, behind) = rest.split_first()?;
-        *rest = behind;
-        Some(*first)
-    };
-    while let Some(head) = byte(&mut rest) {
-        match head {
-            NOTHING => continue,
-            RESPONSE..=0x2f => {}
-            _ => return Err("an answer holds something else than registers"),
-        }
-        let count = match head & 3 {
-            0 => byte(&mut rest).ok_or(short)?,
-            count => count,
-        };
-        // All registers that are asked for have numbers of one byte.
-        let first = byte(&mut rest)
-            .filter(|first| *first < 0x80)
-            .ok_or("an answer holds a register that was not asked for")?;
-        for index in 0..count {
-            let width = [1, 2, 4, 4][usize::from(head >> 2 & 3)];
-            let (bytes, behind) = rest.split_at_checked(width).ok_or(short)?;
-            rest = behind;
-            let value = match (head >> 2 & 3, bytes) {
-                (0, [byte]) => Value::Int8(*byte as i8),
-                (1, [low, high]) => Value::Int16(i16::from_le_bytes([*low, *high])),
-                (2, [a, b, c, d]) => Value::Int32(i32::from_le_bytes([*a, *b, *c, *d])),
-                (_, [a, b, c, d]) => Value::Float(f32::from_le_bytes([*a, *b, *c, *d])),
-                _ => return Err(short),
-            };
-            found.push((u16::from(first) + u16::from(index), value));
-        }
-    }
-    Ok(found)
+fn fault_text(code: f64) -> String {
+    format!("the moteus reports fault {code} ({})", fault_name(code))
 }
 
-/// The line that asks for all registers of [`READ`].
-fn question(id: u8) -> Vec<u8> {
-    let mut format = QueryFormat::default();
-    format.q_current = Resolution::Float;
-    format.voltage = Resolution::Float;
-    format.temperature = Resolution::Float;
-    let mut frame = CanFdFrame::new();
-    frame.arbitration_id = calculate_arbitration_id(0, id as i8, 0, true);
-    format.serialize(&mut frame);
-    let mut line = [0; fdcanusb::MAX_LINE_LENGTH];
-    // The buffer suffices for every frame.
-    let length = fdcanusb::encode_can_send(&frame, &EncodeOptions::default(), &mut line).unwrap_or(0);
-    line[..length].to_vec()
+impl Drive for Moteus {
+    fn watched(&self) -> Watched {
+        Watched { speed: 2, effort: 3, position: Some(1) }
+    }
+
+    fn limit(&mut self, limits: Limits) {
+        self.limits = Some(limits);
+    }
+
+    fn order(&mut self, order: Order) {
+        self.question = self.bytes(order);
+    }
+
+    fn bytes(&self, order: Order) -> Vec<u8> {
+        line(self.id, order, self.limits)
+    }
+
+    fn standing(&self) -> Standing {
+        match self.last {
+            Some((STOPPED, _)) => Standing::Stopped,
+            Some((POSITION, _)) => Standing::Obeying,
+            Some((FAULT, code)) => Standing::Fault(fault_text(code)),
+            Some((mode, _)) => Standing::Other(mode_name(mode)),
+            None => Standing::Other("silent".into()),
+        }
+    }
+
+    /// The limits are part of each command, so that nothing is to be prepared.
+    fn readiness(&self) -> Readiness {
+        if self.limits.is_some() { Readiness::Ready } else { Readiness::Pending }
+    }
+
+    fn promises(&self) -> [Vec<String>; 2] {
+        let Some(limits) = self.limits else { return [Vec::new(), Vec::new()] };
+        [
+            vec![
+                format!("Each command holds a largest torque of {} N m.", limits.effort),
+                format!(
+                    "Each command holds a largest speed of {} rad/s for what is aimed at, and a largest acceleration of {} rad/s2.",
+                    limits.speed_rad_s, limits.acceleration_rad_s2
+                ),
+                format!(
+                    "Each command holds a watchdog: the drive leaves its position mode {} s after the last command that it got.",
+                    limits.watchdog_s
+                ),
+            ],
+            vec![
+                "What it does then is its setting `servo.timeout_mode`, by default braking with up to `servo.timeout_max_torque_Nm`, 5 N m by default; it cannot be read here.".into(),
+                "It does not limit the speed that a load drives it to: this computer ends the run when a speed beyond the limit is measured.".into(),
+                "When the run ends the motor is switched off: it coasts, and a weight falls.".into(),
+            ],
+        ]
+    }
 }
 
 impl Device for Moteus {

@@ -1,4 +1,6 @@
-//! An ODrive by its protocol of text over USB or a serial line. It is asked for each sample.
+//! An ODrive by its protocol of text over USB or a serial line. It is asked for each sample, and commanded by [`crate::Commanded`] alone.
+
+mod settings;
 
 use std::f64::consts::TAU;
 
@@ -7,26 +9,36 @@ use socam_units::Unit;
 
 use crate::asking::Asking;
 use crate::device::{Chunk, Device, Heard, Numbering};
+use crate::drive::{Drive, Limits, Order, Readiness, Standing, Watched};
 use crate::error::Result;
 use crate::text::lines::Lines;
+use settings::{Generation, Settings};
 
-/// Names of the measured current by the version of the firmware: 0.5, then 0.6.
-const CURRENTS: [&str; 2] = ["motor.current_control.Iq_measured", "motor.foc.Iq_measured"];
 /// Answers to one question: position and speed, current, voltage, error.
 const ANSWERS: usize = 4;
+/// States of an axis: idle, and obeying.
+const IDLE: f64 = 1.0;
+const CLOSED_LOOP: f64 = 8.0;
 
-/// A drive that is asked; it is never commanded.
+/// A drive that is asked. As a [`Drive`] it obeys orders.
 #[derive(Debug)]
 pub struct Odrive {
     axis: u8,
     channels: Vec<Channel>,
-    current: usize,
+    generation: Generation,
     question: Vec<u8>,
     asking: Asking,
     lines: Lines,
     /// Answers to the present question.
     answers: Vec<Answer>,
     error: f64,
+    /// Present order, and the state of the axis where it was asked for.
+    order: Order,
+    state: Option<f64>,
+    /// Whether a speed has left already.
+    is_begun: bool,
+    /// Settings of a run that commands it.
+    settings: Option<Settings>,
 }
 
 /// A line of an ODrive.
@@ -75,39 +87,122 @@ impl Odrive {
             ("voltage", Unit::V),
             ("error", Unit::One),
         ];
-        Ok(Self {
+        let mut drive = Self {
             axis,
             channels: channels.iter().map(|(name, unit)| Channel::new(*name, *unit)).collect(),
-            current: 0,
-            question: question(axis, 0),
+            generation: Generation::Early,
+            question: Vec::new(),
             asking: Asking::new(period_ns),
             lines: Lines::answers(),
             answers: Vec::new(),
             error: 0.0,
-        })
+            order: Order::Ask,
+            state: None,
+            is_begun: false,
+            settings: None,
+        };
+        drive.question = drive.bytes(Order::Ask);
+        Ok(drive)
+    }
+
+    /// Number of answers to the present question.
+    fn expected(&self) -> usize {
+        ANSWERS + self.more().len()
+    }
+
+    /// What is asked for beside a sample.
+    fn more(&self) -> Vec<String> {
+        self.settings.as_ref().map_or_else(Vec::new, |settings| settings.asked(self.axis, self.generation))
     }
 
     fn row(&mut self) -> Result<Vec<f64>, &'static str> {
         let answers = std::mem::take(&mut self.answers);
-        let [Answer::Pair(turns, turns_s), current, voltage, error] = answers[..] else {
+        let [Answer::Pair(turns, turns_s), current, voltage, error, more @ ..] = &answers[..] else {
             return Err("answers came in another order");
         };
-        if current == Answer::Unknown {
+        let Some(voltage) = voltage.one() else {
+            return Err("answers came in another order");
+        };
+        if *current == Answer::Unknown {
             // A firmware of the other generation.
-            self.current = 1 - self.current;
-            self.question = question(self.axis, self.current);
+            self.generation = self.generation.other();
+        } else if let Some(settings) = &mut self.settings {
+            let more: Vec<Option<f64>> = more.iter().map(|answer| answer.one()).collect();
+            self.state = more.first().copied().flatten();
+            settings.heard(more.get(1..).unwrap_or_default());
         }
-        let (Some(voltage), Some(error)) = (voltage.one(), error.one()) else {
-            return Err("answers came in another order");
-        };
-        Ok(vec![turns * TAU, turns_s * TAU, current.one().unwrap_or(f64::NAN), voltage, error])
+        self.question = self.bytes(self.order);
+        let [current, error] = [current, error].map(|answer| answer.one().unwrap_or(f64::NAN));
+        Ok(vec![turns * TAU, turns_s * TAU, current, voltage, error])
+    }
+
+    fn fault_text(&self, code: f64) -> String {
+        let names = self.generation.error_names(code as u64);
+        format!("the ODrive reports error {:#x}{names}", code as u64)
     }
 }
 
-/// The lines that ask for everything; a drive answers each by a line.
-fn question(axis: u8, current: usize) -> Vec<u8> {
-    let current = CURRENTS[current];
-    format!("f {axis}\nr axis{axis}.{current}\nr vbus_voltage\nr axis{axis}.error\n").into_bytes()
+impl Drive for Odrive {
+    fn watched(&self) -> Watched {
+        // Positions of an ODrive may begin anew after a turn.
+        Watched { speed: 1, effort: 2, position: None }
+    }
+
+    fn limit(&mut self, limits: Limits) {
+        self.settings = Some(Settings::new(limits));
+        self.question = self.bytes(self.order);
+    }
+
+    fn order(&mut self, order: Order) {
+        self.order = order;
+        self.question = self.bytes(order);
+    }
+
+    /// The lines of an order, and those that ask; a drive answers each of the latter by a line.
+    fn bytes(&self, order: Order) -> Vec<u8> {
+        let axis = self.axis;
+        let mut lines = match (order, &self.settings) {
+            (Order::Speed(speed_rad_s), Some(_)) => {
+                // The speed is set before the axis obeys, which is requested once: an axis that switches itself off stays off.
+                let state = if self.is_begun {
+                    String::new()
+                } else {
+                    format!("w axis{axis}.requested_state {CLOSED_LOOP}\n")
+                };
+                format!("v {axis} {:.6} 0\nu {axis}\n{state}", speed_rad_s / TAU)
+            }
+            (Order::Stop, _) => format!("w axis{axis}.requested_state {IDLE}\n"),
+            (Order::Prepare, Some(settings)) => settings.writes(axis, self.generation),
+            (Order::Release, Some(settings)) => settings.undo(axis, self.generation),
+            (Order::Ask | Order::Speed(_) | Order::Prepare | Order::Release, _) => String::new(),
+        };
+        let [current, error] = [self.generation.current(), self.generation.error()];
+        lines.push_str(&format!("f {axis}\nr axis{axis}.{current}\nr vbus_voltage\nr axis{axis}.{error}\n"));
+        for name in self.more() {
+            lines.push_str(&format!("r {name}\n"));
+        }
+        lines.into_bytes()
+    }
+
+    fn standing(&self) -> Standing {
+        if self.error != 0.0 {
+            return Standing::Fault(self.fault_text(self.error));
+        }
+        match self.state {
+            Some(IDLE) => Standing::Stopped,
+            Some(CLOSED_LOOP) => Standing::Obeying,
+            Some(state) => Standing::Other(format!("in state {state}")),
+            None => Standing::Other("silent about its state".into()),
+        }
+    }
+
+    fn readiness(&self) -> Readiness {
+        self.settings.as_ref().map_or(Readiness::Pending, Settings::readiness)
+    }
+
+    fn promises(&self) -> [Vec<String>; 2] {
+        self.settings.as_ref().map_or_else(Default::default, Settings::promises)
+    }
 }
 
 impl Device for Odrive {
@@ -137,15 +232,15 @@ impl Device for Odrive {
                 self.answers.clear();
             }
             self.answers.push(answer);
-            if self.answers.len() < ANSWERS {
+            if self.answers.len() < self.expected() {
                 return;
             }
             match self.row() {
                 Ok(values) => {
-                    if values[4] != self.error {
-                        self.error = values[4];
-                        heard
-                            .push(Heard::Fault(format!("the ODrive reports error {:#x}", self.error as u64)));
+                    let error = if values[4].is_finite() { values[4] } else { self.error };
+                    if error != self.error {
+                        self.error = error;
+                        heard.push(Heard::Fault(self.fault_text(error)));
                     }
                     heard.push(self.asking.answered(arrival_ns, values));
                 }
@@ -160,6 +255,7 @@ impl Device for Odrive {
         let next_ns = self.asking.poll(now_ns, &self.question, out);
         if out.len() > was_asked {
             self.answers.clear();
+            self.is_begun |= matches!(self.order, Order::Speed(_));
         }
         Ok(Some(next_ns))
     }

@@ -3,11 +3,14 @@
 use proptest::prelude::*;
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
-use socam_sources::simulators::{MoteusSimulator, OdriveSimulator, Turning};
+use socam_sources::simulators::{Firmware, Mishap, MoteusSimulator, Motor, OdriveSimulator};
 use socam_sources::{Chunk, Device, Heard, Row};
 
-const MOTOR: Turning =
-    Turning { speed_rad_s: 12.5, torque_nm: 0.25, current_a: 1.5, voltage_v: 24.0, fault: 0 };
+fn motor() -> Motor {
+    let mut motor = Motor::turning(12.5, 0.25, 24.0);
+    motor.torque_constant_nm_a = 0.125;
+    motor
+}
 const PERIOD_NS: i64 = 1_000_000;
 /// Time from question to answer, ns.
 const ROUND_NS: i64 = 400_000;
@@ -43,7 +46,7 @@ fn rows(heard: &[Heard]) -> Vec<&Row> {
 #[test]
 fn a_moteus_is_recorded_at_its_interval() {
     let mut device = Moteus::new(3, PERIOD_NS).unwrap();
-    let mut drive = MoteusSimulator::new(3, MOTOR);
+    let mut drive = MoteusSimulator::new(3, motor());
     let heard = ask(&mut device, 2.0, |time_s, bytes| drive.receive(time_s, bytes), |_, answer| answer);
     let rows = rows(&heard);
     // The first line of a stream may be the end of one that began before.
@@ -54,37 +57,38 @@ fn a_moteus_is_recorded_at_its_interval() {
         heard.first()
     );
     let row = rows[1000];
-    assert_eq!(row.values[3..6], [0.25, 1.5, 24.0]);
+    assert_eq!(row.values[3..6], [0.25, 2.0, 24.0]);
     assert!((row.values[2] - 12.5).abs() < 1e-6 && (row.values[6] - 308.15).abs() < 1e-4, "{row:?}");
     let expected = 12.5 * (row.arrival_ns - row.spread_ns) as f64 * 1e-9;
     assert!((row.values[1] - expected).abs() < 0.01, "{} for {expected}", row.values[1]);
     assert!(row.spread_ns <= ROUND_NS);
 
     let mut device = Moteus::new(3, PERIOD_NS).unwrap();
-    drive.motor.fault = 33;
+    drive.mishap = Some(Mishap::Fault(33));
     let heard = ask(&mut device, 0.1, |time_s, bytes| drive.receive(time_s, bytes), |_, answer| answer);
     let faults: Vec<_> = heard.iter().filter(|heard| matches!(heard, Heard::Fault(_))).collect();
-    assert_eq!(faults, [&Heard::Fault("the moteus reports fault 33".into())]);
+    assert_eq!(faults, [&Heard::Fault("the moteus reports fault 33 (motor driver fault)".into())]);
 }
 
 #[test]
 fn an_odrive_of_either_generation_is_recorded() {
-    let mut device = Odrive::new(0, PERIOD_NS).unwrap();
-    let mut drive = OdriveSimulator::new(MOTOR);
-    let heard = ask(&mut device, 1.0, |time_s, bytes| drive.receive(time_s, bytes), |_, answer| answer);
-    let rows = rows(&heard);
-    assert!(rows.len() > 990, "{}", rows.len());
-    let last = rows.last().unwrap();
-    assert_eq!(last.values[2..], [1.5, 24.0, 0.0]);
-    assert!((last.values[1] - 12.5).abs() < 1e-4, "{last:?}");
-    // The simulation knows the later name only, and the drive was asked by the earlier one first.
-    assert!(rows[0].values[2].is_nan() || rows.iter().all(|row| row.values[2] == 1.5));
+    for firmware in [Firmware::Early, Firmware::Late] {
+        let mut device = Odrive::new(0, PERIOD_NS).unwrap();
+        let mut drive = OdriveSimulator::new(firmware, motor());
+        let heard = ask(&mut device, 1.0, |time_s, bytes| drive.receive(time_s, bytes), |_, answer| answer);
+        let rows = rows(&heard);
+        assert!(rows.len() > 990, "{}", rows.len());
+        // The drive is asked by the earlier names first.
+        assert!(rows[1..].iter().all(|row| row.values[2..] == [2.0, 24.0, 0.0]), "{:?}", rows[1]);
+        assert!((rows[990].values[1] - 12.5).abs() < 1e-4, "{:?}", rows[990]);
+        assert_eq!(drive.commands, 0);
+    }
 }
 
 #[test]
 fn lost_and_damaged_answers_are_counted() {
     let mut device = Moteus::new(1, PERIOD_NS).unwrap();
-    let mut drive = MoteusSimulator::new(1, MOTOR);
+    let mut drive = MoteusSimulator::new(1, motor());
     let damage = |turn: usize, answer: Vec<u8>| match turn {
         500 => Vec::new(),
         600 => answer[..answer.len() / 2].iter().copied().chain(*b"\n").collect(),

@@ -51,11 +51,11 @@ const KNOWN: [(u16, u16, &str, &str, [&str; 2]); 3] = [
         0x0483,
         0x5740,
         "fdcanusb (by its identity, which other devices of ST share)",
-        "asked for samples of a moteus; not commanded",
+        "asked for samples of a moteus; commanded by record --arm",
         ["moteus:", "?id=1"],
     ),
-    (0x1209, 0x0d32, "ODrive 3", "asked for samples; not commanded", ["odrive:", "?axis=0"]),
-    (0x1209, 0x0d33, "ODrive", "asked for samples; not commanded", ["odrive:", "?axis=0"]),
+    (0x1209, 0x0d32, "ODrive 3", "asked for samples; commanded by record --arm", ["odrive:", "?axis=0"]),
+    (0x1209, 0x0d33, "ODrive", "asked for samples; commanded by record --arm", ["odrive:", "?axis=0"]),
 ];
 
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {

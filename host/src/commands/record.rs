@@ -1,7 +1,9 @@
 //! `record`: run a profile on a bench and record it.
 
+mod drive;
 mod result;
 mod source;
+mod source_result;
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -20,10 +22,13 @@ use crate::device::{self, Device, Pace, Session, front_end};
 use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
 use crate::output::{self, WrongArguments};
+use drive::DriveArgs;
 pub(crate) use result::{outcome, tell};
 use source::{SourceArgs, Target};
 
 /// Run a profile on the bench and record it
+///
+/// A moteus or an ODrive follows the profile within --limit once --arm is given, and is only asked otherwise.
 ///
 /// Ctrl-C ramps the bench down, a second Ctrl-C stops it at once; the samples recorded until then are kept. A third one ends the program
 /// without waiting for the board, whose watchdog stops the bench then. With --force, an older recording is replaced when the first second of
@@ -37,18 +42,21 @@ use source::{SourceArgs, Target};
   socam-host record --device serial --profile multisine -o run.mcap --watch bench.toml --baseline healthy.mcap
   socam-host record --device sim --profile steps -o run.mcap                 without a bench
   socam-host record --device serial:/dev/ttyACM0?baud=115200 -o run.mcap     lines of text of any microcontroller
-  socam-host record --device udp:0.0.0.0:9870 -o run.mcap --describe arm.toml --duration 60s")]
+  socam-host record --device udp:0.0.0.0:9870 -o run.mcap --describe arm.toml --duration 60s
+  socam-host record --device moteus:/dev/ttyACM0?id=1 -o run.mcap --profile speeds.toml --limit 30rad/s --limit 0.5Nm --arm")]
 pub(crate) struct Args {
     /// Log to write (.mcap)
     #[arg(short, long, value_name = "RUN.mcap", required_unless_present = "list_profiles")]
     output: Option<PathBuf>,
     /// Board: serial (the one on USB), serial:PATH, tcp:HOST:PORT, or sim (a virtual one). Lines of text of another device:
-    /// serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT. Drives, which are only asked: moteus:PATH?id=1 (an fdcanusb),
-    /// odrive:PATH?axis=0 (USB)
+    /// serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT. Drives, asked or, with --arm, commanded: moteus:PATH?id=1 (an
+    /// fdcanusb), odrive:PATH?axis=0 (USB)
     #[arg(long, value_name = "DEVICE", required_unless_present = "list_profiles")]
     device: Option<Target>,
     #[command(flatten)]
     source: SourceArgs,
+    #[command(flatten)]
+    drive: DriveArgs,
     #[command(flatten)]
     record: Record,
     /// Calibration file of the bench (`template calibration` prints one) [default: that of the default bench]
@@ -96,6 +104,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         Target::Source(address) => return source::run(&args, path, &address),
         Target::Board(board) => &board.with_token(args.token.read()?),
     };
+    args.drive.refuse_for(device)?;
     let calibration = args.calibration.as_deref().map(Calibration::open).transpose()?;
     if *device != Device::Sim && args.bench.describes_a_bench() {
         return Err(WrongArguments(format!(

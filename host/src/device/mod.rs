@@ -1,7 +1,7 @@
 //! The host's side of the link to a board: in this process, over TCP, over a serial line.
 //!
 //! All three are a [`Stream`] of bytes. A [`Session`] exchanges messages over it, and [`run::record`] runs a profile and records it.
-//! [`source`] are devices of other protocols, which are only listened to.
+//! [`source`] are devices of other protocols, which are listened to or asked; a drive among them may follow a profile.
 
 pub(crate) mod front_end;
 mod in_process;

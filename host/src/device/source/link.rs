@@ -43,6 +43,8 @@ pub(crate) struct Link {
     buffer: Vec<u8>,
     /// Packets of other senders than the first one, which are left out.
     pub(crate) strangers: u64,
+    /// Sent when the link is left: it stops a drive that moves.
+    last_words: Option<Vec<u8>>,
 }
 
 impl Link {
@@ -50,7 +52,15 @@ impl Link {
     pub(crate) fn open(place: &Place) -> anyhow::Result<Self> {
         let open = Some(open(place)?);
         let buffer = vec![0; READ_BYTES];
-        Ok(Self { place: place.clone(), open, begin: Instant::now(), last_ns: 0, buffer, strangers: 0 })
+        Ok(Self {
+            place: place.clone(),
+            open,
+            begin: Instant::now(),
+            last_ns: 0,
+            buffer,
+            strangers: 0,
+            last_words: None,
+        })
     }
 
     /// Where lines of text begin and end.
@@ -117,11 +127,25 @@ impl Link {
         }
     }
 
+    /// Sets what is sent when the link is left, in whatever way that happens: by the end of the run, an error or a panic.
+    pub(crate) fn last_words(&mut self, words: Option<Vec<u8>>) {
+        self.last_words = words;
+    }
+
     /// Tries to open a closed link again.
     pub(crate) fn reopen(&mut self) -> bool {
         self.open = open(&self.place).ok();
         self.last_ns = self.now_ns();
         self.open.is_some()
+    }
+}
+
+impl Drop for Link {
+    fn drop(&mut self) {
+        if let Some(words) = self.last_words.take() {
+            // What cannot be sent is left to the drive's own watchdog.
+            let _ = self.send(&words);
+        }
     }
 }
 

@@ -1,11 +1,13 @@
-//! Devices other than the own board: where they are, and the link to them. Their protocols are those of `socam_sources`.
+//! Devices other than the own board: where they are, and the link to them; drives among them may follow a profile. Their protocols are those of `socam_sources`.
 
 mod address;
 mod link;
 mod listen;
+mod report;
 mod run;
 
 pub(crate) use address::{Protocol, SourceAddress};
 pub(crate) use link::Link;
 pub(crate) use listen::{Listened, listen};
-pub(crate) use run::{SourceEnd, SourcePlan, SourceReport, record};
+pub(crate) use report::{SourceEnd, SourcePlan, SourceReport};
+pub(crate) use run::record;

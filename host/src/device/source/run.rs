@@ -1,15 +1,15 @@
 //! Records a source: its rows in their order, until it ends, is stopped, or is gone.
 
-use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::bail;
 use indicatif::ProgressBar;
-use socam_recording::{Event, Recorder, RecordingHeader, RecordingSummary, SampleRow, Status};
-use socam_sources::{ClockMap, Counts, Device, Heard, Placed, Timeline};
+use socam_recording::{Event, Recorder, SampleRow, Status};
+use socam_sources::{Counts, Device, Heard, Placed, Timeline};
 
 use super::link::{Arrived, Link};
 use super::listen::Listened;
+use super::report::{SourceEnd, SourcePlan, SourceReport, clock_text};
 use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
 use crate::output;
@@ -20,52 +20,10 @@ const STATUS_EVERY_NS: i64 = 1_000_000_000;
 const GONE_NS: i64 = 10_000_000_000;
 /// Interval at which a link that broke is opened again.
 const REOPEN_EVERY: Duration = Duration::from_millis(200);
+/// Time for which a link that broke is tried for a stop.
+const STOP_WITHIN_NS: i64 = 2_000_000_000;
 /// Most events of one kind; a device must not fill the recording with them.
 const MOST_EVENTS: u32 = 100;
-
-/// The settings of a recording of a source.
-pub(crate) struct SourcePlan {
-    /// Name of the device in messages.
-    pub(crate) name: String,
-    /// Path of the recording.
-    pub(crate) path: PathBuf,
-    /// Time of day at which the link was opened, ns since 1970.
-    pub(crate) opened_unix_ns: u64,
-    /// What is known before the first sample; its start is set at that sample.
-    pub(crate) header: RecordingHeader,
-    /// Time from the first to the last sample; `None` until it is stopped.
-    pub(crate) duration_s: Option<f64>,
-}
-
-/// How a recording of a source ended; the recorded samples are kept in any case.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum SourceEnd {
-    /// It lasted as long as planned.
-    Finished,
-    /// The operator stopped it.
-    Stopped,
-    /// The device is gone, in words.
-    Gone(String),
-}
-
-/// The result of a recording of a source.
-#[derive(Debug, Clone)]
-pub(crate) struct SourceReport {
-    pub(crate) summary: RecordingSummary,
-    pub(crate) end: SourceEnd,
-    /// Time from the first to the last sample, s.
-    pub(crate) duration_s: f64,
-    pub(crate) counts: Counts,
-    /// Times at which the link broke and came back.
-    pub(crate) interruptions: u64,
-    /// Packets of other senders, which were left out.
-    pub(crate) strangers: u64,
-    pub(crate) clock: Option<ClockMap>,
-    /// Largest spread of times of arrival that samples took their times from, s.
-    pub(crate) arrival_spread_s: f64,
-    /// How lost samples are counted, in words.
-    pub(crate) counted_by: String,
-}
 
 struct Run<'r> {
     plan: SourcePlan,
@@ -83,6 +41,10 @@ struct Run<'r> {
     damage: Option<&'static str>,
     interruptions: u64,
     is_over: bool,
+    /// The end that the device itself stated.
+    stated: Option<SourceEnd>,
+    /// How often the operator has asked to stop, as far as the device was told.
+    stops: u32,
 }
 
 /// Records a device, beginning with what was heard of it before.
@@ -109,6 +71,8 @@ pub(crate) fn record(
         damage: None,
         interruptions: 0,
         is_over: false,
+        stated: None,
+        stops: 0,
     };
     for arrived in &heard.0 {
         run.take(arrived)?;
@@ -128,11 +92,21 @@ impl Run<'_> {
         let mut heard_ns = link.now_ns();
         let (mut poll_ns, mut outgoing) = (Some(0), Vec::new());
         while !self.is_over {
-            if interrupt.count() > 0 {
-                return Ok(SourceEnd::Stopped);
+            if interrupt.count() > self.stops {
+                self.stops = interrupt.count();
+                // The first one lets a profile fade, the second one stops at once; a device that is only heard has nothing to end.
+                if !self.device.end(link.now_ns(), self.stops > 1) {
+                    return Ok(SourceEnd::Stopped);
+                }
+                poll_ns = Some(0);
             }
             if poll_ns.is_some_and(|due_ns| link.now_ns() >= due_ns) {
-                poll_ns = self.device.poll(link.now_ns(), &mut outgoing)?;
+                poll_ns = match self.device.poll(link.now_ns(), &mut outgoing) {
+                    Ok(next_ns) => next_ns,
+                    Err(error) => return Ok(SourceEnd::Ended(error.to_string())),
+                };
+                // Before anything moves, the link knows what to leave it with, also where this program fails.
+                link.last_words(self.device.last_words());
                 if !outgoing.is_empty() {
                     // A link that broke is noticed by the next read.
                     let _ = link.send(&outgoing);
@@ -155,6 +129,10 @@ impl Run<'_> {
                     return Ok(SourceEnd::Gone(silence));
                 }
                 Ok(None) => {}
+                Err(error) if self.device.last_words().is_some() => {
+                    self.note("fault", format!("the link broke: {error}"));
+                    return Ok(SourceEnd::Gone(self.lost_drive(link, &error)));
+                }
                 Err(error) => {
                     self.interrupted(&error);
                     if !self.comes_back(link, interrupt) {
@@ -171,7 +149,24 @@ impl Run<'_> {
             }
             progress.set_position(self.time_ns as u64 / 1_000_000);
         }
-        Ok(SourceEnd::Finished)
+        Ok(self.stated.take().unwrap_or(SourceEnd::Finished))
+    }
+
+    /// A link that breaks while its drive moves is opened for a stop alone. Returns what became of it.
+    fn lost_drive(&self, link: &mut Link, error: &std::io::Error) -> String {
+        let until_ns = link.now_ns() + STOP_WITHIN_NS;
+        let name = &self.plan.name;
+        while link.now_ns() < until_ns {
+            std::thread::sleep(REOPEN_EVERY);
+            if link.reopen() && self.device.last_words().is_some_and(|words| link.send(&words).is_ok()) {
+                return format!(
+                    "the link to {name} broke while it moved ({error}); it came back, and a stop was sent"
+                );
+            }
+        }
+        format!(
+            "the link to {name} broke while it moved ({error}), so no stop could be sent: only its own watchdog stops it; see that it is at rest"
+        )
     }
 
     fn take(&mut self, arrived: &Arrived) -> anyhow::Result<()> {
@@ -205,6 +200,14 @@ impl Run<'_> {
                 }
                 Heard::Talk(text) => self.note("note", format!("the device says: {text}")),
                 Heard::Fault(text) => self.note("fault", text),
+                Heard::End { reason, by_operator } => {
+                    self.is_over = true;
+                    self.stated = Some(match reason {
+                        Some(reason) => SourceEnd::Ended(reason),
+                        None if by_operator => SourceEnd::Stopped,
+                        None => SourceEnd::Finished,
+                    });
+                }
             }
         }
         let rows: Vec<SampleRow<'_>> = rows
@@ -316,7 +319,7 @@ impl Run<'_> {
 
     fn finish(mut self, end: SourceEnd, strangers: u64) -> anyhow::Result<SourceReport> {
         self.status();
-        if let SourceEnd::Gone(text) = &end {
+        if let SourceEnd::Gone(text) | SourceEnd::Ended(text) = &end {
             self.note("fault", text.clone());
         }
         if let Some(text) = clock_text(self.timeline.clock_map().as_ref()) {
@@ -327,7 +330,9 @@ impl Run<'_> {
         }
         let Some(recorder) = self.recorder.take() else {
             match end {
-                SourceEnd::Gone(reason) => bail!("{reason}, before the first sample"),
+                SourceEnd::Gone(reason) | SourceEnd::Ended(reason) => {
+                    bail!("{reason}, before the first sample")
+                }
                 _ => bail!("stopped before the first sample"),
             }
         };
@@ -343,17 +348,4 @@ impl Run<'_> {
             counted_by: self.timeline.counted_by(),
         })
     }
-}
-
-/// The device's clock against the host's, as text.
-pub(super) fn clock_text(clock: Option<&ClockMap>) -> Option<String> {
-    let clock = clock?;
-    Some(format!(
-        "over {:.1} s the device's clock ran {:+.1} ppm against the host's, within {:.3} ms; samples arrived up to {:.1} ms late; \
-         the link's constant delay is not known",
-        clock.over_s,
-        clock.drift * 1e6,
-        clock.uncertainty_s * 1e3,
-        clock.latest_s * 1e3
-    ))
 }

@@ -1,0 +1,204 @@
+//! Settings that an ODrive is given before it is commanded, and the names of what it knows.
+
+use std::f64::consts::TAU;
+
+use crate::drive::{Limits, Readiness};
+
+/// Generation of the firmware, which names things by it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Generation {
+    /// 0.5.
+    Early,
+    /// 0.6.
+    Late,
+}
+
+/// Bits of the error of an axis by the firmware 0.5, and of `active_errors` by 0.6: those that end a run.
+const EARLY_ERRORS: [(u64, &str); 9] = [
+    (0x1, "invalid state"),
+    (0x40, "motor failed"),
+    (0x80, "sensorless estimator failed"),
+    (0x100, "encoder failed"),
+    (0x200, "controller failed"),
+    (0x800, "watchdog timer expired"),
+    (0x1000, "end stop pressed"),
+    (0x4000, "emergency stop requested"),
+    (0x40000, "over-temperature"),
+];
+const LATE_ERRORS: [(u64, &str); 15] = [
+    (0x4, "timing error"),
+    (0x8, "missing estimate"),
+    (0x10, "bad configuration"),
+    (0x20, "gate driver fault"),
+    (0x40, "missing input"),
+    (0x100, "over-voltage of the supply"),
+    (0x200, "under-voltage of the supply"),
+    (0x400, "over-current of the supply"),
+    (0x800, "over-current into the supply"),
+    (0x1000, "limit of current violated"),
+    (0x2000, "motor over-temperature"),
+    (0x4000, "inverter over-temperature"),
+    (0x8000, "limit of speed violated"),
+    (0x100_0000, "watchdog timer expired"),
+    (0x200_0000, "emergency stop requested"),
+];
+
+impl Generation {
+    pub(super) fn other(self) -> Self {
+        if self == Self::Early { Self::Late } else { Self::Early }
+    }
+
+    /// Name of the measured current.
+    pub(super) fn current(self) -> &'static str {
+        if self == Self::Early { "motor.current_control.Iq_measured" } else { "motor.foc.Iq_measured" }
+    }
+
+    /// Name of the error.
+    pub(super) fn error(self) -> &'static str {
+        if self == Self::Early { "error" } else { "active_errors" }
+    }
+
+    /// What an error means, in words that follow its number.
+    pub(super) fn error_names(self, code: u64) -> String {
+        let known = if self == Self::Early { &EARLY_ERRORS[..] } else { &LATE_ERRORS[..] };
+        let names: Vec<&str> =
+            known.iter().filter(|(bit, _)| code & bit != 0).map(|(_, name)| *name).collect();
+        if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) }
+    }
+
+    /// Names of the settings of [`Settings::wanted`], in its order.
+    fn settings(self) -> [&'static str; SETTINGS] {
+        let current =
+            if self == Self::Early { "motor.config.current_lim" } else { "config.motor.current_soft_max" };
+        [
+            "controller.config.vel_limit",
+            current,
+            "config.watchdog_timeout",
+            "config.enable_watchdog",
+            "controller.config.control_mode",
+            "controller.config.input_mode",
+        ]
+    }
+}
+
+/// Number of settings, and their places: speed limit, current limit, time of the watchdog, whether it is on, and then two modes.
+const SETTINGS: usize = 6;
+const SPEED: usize = 0;
+const CURRENT: usize = 1;
+const WATCHDOG: usize = 2;
+const IS_WATCHED: usize = 3;
+/// Control of speed; the command is taken as it is.
+const MODES: [f64; 2] = [2.0, 1.0];
+
+/// Settings of a run.
+#[derive(Debug, Clone)]
+pub(super) struct Settings {
+    limits: Limits,
+    /// What the drive had before, once it has said so.
+    before: Option<[f64; SETTINGS]>,
+    readiness: Readiness,
+}
+
+impl Settings {
+    pub(super) fn new(limits: Limits) -> Self {
+        Self { limits, before: None, readiness: Readiness::Pending }
+    }
+
+    pub(super) fn readiness(&self) -> Readiness {
+        self.readiness.clone()
+    }
+
+    /// What is to be asked for: the state, and all settings until the drive has the wanted ones.
+    pub(super) fn asked(&self, axis: u8, generation: Generation) -> Vec<String> {
+        let mut names = vec![format!("axis{axis}.current_state")];
+        if self.readiness == Readiness::Pending {
+            names.extend(generation.settings().map(|name| format!("axis{axis}.{name}")));
+        }
+        names
+    }
+
+    /// Takes the answers for the settings.
+    pub(super) fn heard(&mut self, answers: &[Option<f64>]) {
+        if self.readiness != Readiness::Pending {
+            return;
+        }
+        let known: Vec<f64> = answers.iter().copied().flatten().collect();
+        let Ok(now) = <[f64; SETTINGS]>::try_from(known) else {
+            let what = "the ODrive does not state its limits and its watchdog, so it is not commanded";
+            self.readiness = Readiness::Refused(what.into());
+            return;
+        };
+        let Some(before) = self.before else {
+            self.before = Some(now);
+            let own_rad_s = now[SPEED] * TAU;
+            if own_rad_s < self.limits.speed_rad_s * (1.0 - 1e-4)
+                || now[CURRENT] < self.limits.effort * (1.0 - 1e-4)
+            {
+                self.readiness = Readiness::Refused(format!(
+                    "the ODrive's own limits are {own_rad_s:.4} rad/s and {:.4} A, below those of --limit: lower these, or raise its own",
+                    now[CURRENT]
+                ));
+            }
+            return;
+        };
+        let wanted = self.wanted(before);
+        let is_same = |(now, wanted): (&f64, &f64)| (now - wanted).abs() <= 1e-3 * wanted.abs();
+        if now.iter().zip(&wanted).all(is_same) {
+            self.readiness = Readiness::Ready;
+        }
+    }
+
+    fn wanted(&self, before: [f64; SETTINGS]) -> [f64; SETTINGS] {
+        let mut wanted = before;
+        wanted[SPEED] = self.limits.speed_rad_s / TAU;
+        wanted[CURRENT] = self.limits.effort;
+        wanted[WATCHDOG] = self.limits.watchdog_s;
+        wanted[IS_WATCHED] = 1.0;
+        wanted[IS_WATCHED + 1..].copy_from_slice(&MODES);
+        wanted
+    }
+
+    /// The lines that give it the settings; its watchdog is fed before it is switched on.
+    pub(super) fn writes(&self, axis: u8, generation: Generation) -> String {
+        let Some(before) = self.before else { return String::new() };
+        let mut lines = format!("v {axis} 0 0\n");
+        for (index, (name, value)) in generation.settings().iter().zip(self.wanted(before)).enumerate() {
+            if index == IS_WATCHED {
+                lines.push_str(&format!("u {axis}\n"));
+            }
+            lines.push_str(&format!("w axis{axis}.{name} {}\n", short(value)));
+        }
+        lines
+    }
+
+    /// The lines that give it back what it had, its watchdog first, which nobody feeds any more.
+    pub(super) fn undo(&self, axis: u8, generation: Generation) -> String {
+        let Some(before) = self.before else { return String::new() };
+        let all = generation.settings();
+        let order = [IS_WATCHED, WATCHDOG, CURRENT, SPEED, IS_WATCHED + 1, IS_WATCHED + 2];
+        order.map(|index| format!("w axis{axis}.{} {}\n", all[index], short(before[index]))).concat()
+    }
+
+    pub(super) fn promises(&self) -> [Vec<String>; 2] {
+        let Limits { speed_rad_s, effort, watchdog_s, .. } = self.limits;
+        [
+            vec![
+                format!("The axis gets a speed limit of {speed_rad_s} rad/s and a current limit of {effort} A, and is commanded only if it states them."),
+                format!(
+                    "The axis gets a watchdog, and is commanded only if it states it: it switches its motor off {watchdog_s} s after the last command that it got."
+                ),
+                "After the run these settings become what they were; none is saved in the drive.".into(),
+            ],
+            vec![
+                "A motor that is switched off coasts, by the watchdog as at the end: nothing brakes it, and a weight falls.".into(),
+                "If this program is killed, the limits and the watchdog stay until the drive is restarted.".into(),
+            ],
+        ]
+    }
+}
+
+/// A number with the digits that a drive's own numbers have.
+fn short(value: f64) -> String {
+    let text = format!("{value:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}

@@ -1,0 +1,17 @@
+//! Simulations of drives that answer as the real ones do and obey commands as they do, for tests and rehearsals.
+
+mod moteus;
+mod motor;
+mod odrive;
+
+pub use moteus::MoteusSimulator;
+pub use motor::{Inertia, Mishap, Motor};
+pub use odrive::{Firmware, OdriveSimulator};
+
+/// Takes the whole lines out of bytes.
+fn lines(bytes: &mut Vec<u8>, more: &[u8]) -> Vec<String> {
+    bytes.extend_from_slice(more);
+    let Some(end) = bytes.iter().rposition(|byte| *byte == b'\n') else { return Vec::new() };
+    let whole: Vec<u8> = bytes.drain(..=end).collect();
+    String::from_utf8_lossy(&whole).lines().map(str::to_owned).collect()
+}

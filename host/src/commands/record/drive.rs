@@ -1,0 +1,218 @@
+//! `record` of a drive that follows a profile: what is required, and what is said, before anything leaves for it.
+
+use anyhow::Context;
+use socam_core::{Command, Generator};
+use socam_recording::ProfileFile;
+use socam_sources::moteus::Moteus;
+use socam_sources::odrive::Odrive;
+use socam_sources::{Commanded, Device, Drive, Limits};
+
+use super::Args;
+use crate::device::Device as Board;
+use crate::device::source::{Protocol, SourceAddress};
+use crate::output::{self, WrongArguments};
+
+/// Time without a command after which a drive stops by itself, s: longer than an ordinary computer pauses, and short for a machine.
+const WATCHDOG_S: f64 = 0.25;
+
+/// Options of a drive that follows a profile.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct DriveArgs {
+    /// Limits of a drive that follows --profile: one of its speed, and one of its torque (moteus) or current (ODrive), as in
+    /// --limit 30rad/s --limit 0.5Nm. The drive is told them, and the run ends where they are exceeded
+    #[arg(long = "limit", value_name = "LIMIT", value_parser = limit)]
+    limits: Vec<Limit>,
+    /// Let a drive follow --profile. Without it, what would happen is said, and nothing is sent
+    #[arg(long)]
+    arm: bool,
+}
+
+/// A limit by its unit, in SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Limit {
+    Speed(f64),
+    Torque(f64),
+    Current(f64),
+}
+
+/// A limit as text: `30rad/s`, `300 rpm`, `0.5 N m`, `5A`.
+fn limit(text: &str) -> Result<Limit, String> {
+    let expected = "expected a speed, torque or current, as in 30rad/s, 300rpm, 0.5Nm or 5A";
+    let split =
+        text.find(|c: char| c.is_ascii_alphabetic()).ok_or(format!("{expected}; the unit is missing"))?;
+    let (number, unit) = text.split_at(split);
+    let number = number.trim().parse::<f64>().ok().filter(|value| value.is_finite() && *value > 0.0);
+    let (number, scale) = number.zip(socam_units::parse(unit)).ok_or(expected)?;
+    let of = |unit: &str| socam_units::parse(unit).map(|scale| scale.dimension);
+    let value = number * scale.factor;
+    match Some(scale.dimension) {
+        dimension if dimension == of("rad/s") && !unit.contains("Hz") => Ok(Limit::Speed(value)),
+        dimension if dimension == of("N m") => Ok(Limit::Torque(value)),
+        dimension if dimension == of("A") => Ok(Limit::Current(value)),
+        _ => Err(expected.into()),
+    }
+}
+
+/// A drive that will follow a profile.
+pub(super) struct Armed {
+    pub(super) device: Box<dyn Device>,
+    pub(super) profile: ProfileFile,
+    /// Its limits, in words.
+    pub(super) limits: String,
+}
+
+impl DriveArgs {
+    /// Refuses the options for a board, whose firmware has limits of its own.
+    pub(super) fn refuse_for(&self, board: &Board) -> Result<(), WrongArguments> {
+        if self.is_set() {
+            return Err(WrongArguments(format!("--arm and --limit are for drives, not for {board}")));
+        }
+        Ok(())
+    }
+
+    fn is_set(&self) -> bool {
+        self.arm || !self.limits.is_empty()
+    }
+}
+
+/// The drive that follows the profile of the arguments; `None` without one. Refuses what passes the limits, and says what is promised.
+pub(super) fn armed(args: &Args, address: &SourceAddress) -> anyhow::Result<Option<Armed>> {
+    let wrong = |problem: String| anyhow::Error::from(WrongArguments(problem));
+    if args.record.profile.is_none() {
+        if args.drive.is_set() {
+            return Err(wrong("--arm and --limit let a drive follow a profile: name it by --profile".into()));
+        }
+        return Ok(None);
+    }
+    let period_us = args.record.period_us()?;
+    let period_ns = i64::from(period_us) * 1000;
+    match address.protocol {
+        Protocol::Moteus(id) => {
+            follow(args, address, period_us, Moteus::new(id, period_ns)?, Effort::Torque).map(Some)
+        }
+        Protocol::Odrive(axis) => {
+            follow(args, address, period_us, Odrive::new(axis, period_ns)?, Effort::Current).map(Some)
+        }
+        Protocol::Text => Err(wrong(format!(
+            "--profile commands a board, a virtual bench or a drive; {address} is only listened to, so leave it out"
+        ))),
+    }
+}
+
+/// What a drive limits beside its speed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Effort {
+    Torque,
+    Current,
+}
+
+fn follow<D: Drive + 'static>(
+    args: &Args,
+    address: &SourceAddress,
+    period_us: u32,
+    mut drive: D,
+    effort: Effort,
+) -> anyhow::Result<Armed> {
+    let wrong = |problem: String| anyhow::Error::from(WrongArguments(problem));
+    let name = args.record.profile.as_deref().unwrap_or_default();
+    let profile = args.record.load()?;
+    if profile.command == Command::Voltage {
+        return Err(wrong(format!(
+            "the profile `{name}` commands a voltage; a drive takes speeds: `command = \"speed\"`, with levels and limits in rad/s"
+        )));
+    }
+    if f64::from(period_us) * 1e-6 > Commanded::<D>::longest_period_s() {
+        return Err(wrong(format!(
+            "--rate {} Hz: a drive is commanded at 50 Hz or faster",
+            args.record.rate_hz
+        )));
+    }
+    let core = profile.profile(period_us)?;
+    let peak_micro =
+        Generator::peak_micro(&core.shape, period_us).map_err(|error| wrong(error.to_string()))?;
+    let peak_rad_s = peak_micro as f64 * 1e-6;
+    let limits = limits(&args.drive, effort, profile.slew)?;
+    if peak_rad_s > limits.speed_rad_s {
+        return Err(wrong(format!(
+            "the profile `{name}` reaches {peak_rad_s} rad/s, beyond --limit {} rad/s: nothing was commanded",
+            limits.speed_rad_s
+        )));
+    }
+    drive.limit(limits);
+    let unit = if effort == Effort::Torque { "N m" } else { "A" };
+    let limits_text = format!("{} rad/s, {} {unit}", limits.speed_rad_s, limits.effort);
+    output::say(format_args!(
+        "{address} is to follow `{name}`: up to {peak_rad_s} rad/s for {:.1} s, within {limits_text}.",
+        profile.duration_s + profile.ramp_s
+    ));
+    let [kept, not_promised] = drive.promises();
+    kept.iter().for_each(|promise| output::say(format_args!("  {promise}")));
+    not_promised.iter().for_each(|caution| output::warn(caution));
+    if !args.drive.arm {
+        return Err(wrong("nothing was sent: add --arm to let the drive move".into()));
+    }
+    let device = Commanded::new(drive, &core, period_us, limits)
+        .map_err(|error| anyhow::anyhow!("{error}"))
+        .with_context(|| format!("the profile `{name}` cannot run"))?;
+    Ok(Armed { device: Box::new(device), profile, limits: limits_text })
+}
+
+/// The limits of the arguments: one of each kind, and no other.
+fn limits(args: &DriveArgs, effort: Effort, acceleration_rad_s2: f64) -> anyhow::Result<Limits> {
+    let (mut speeds, mut efforts) = (Vec::new(), Vec::new());
+    for limit in &args.limits {
+        match (*limit, effort) {
+            (Limit::Speed(value), _) => speeds.push(value),
+            (Limit::Torque(value), Effort::Torque) | (Limit::Current(value), Effort::Current) => {
+                efforts.push(value)
+            }
+            (Limit::Torque(_), Effort::Current) => {
+                return Err(WrongArguments(
+                    "an ODrive limits its current, not its torque, as in --limit 5A".into(),
+                )
+                .into());
+            }
+            (Limit::Current(_), Effort::Torque) => {
+                return Err(WrongArguments(
+                    "a moteus limits its torque, not its current, as in --limit 0.5Nm".into(),
+                )
+                .into());
+            }
+        }
+    }
+    let ([speed_rad_s], [effort]) = (&speeds[..], &efforts[..]) else {
+        let second = if effort == Effort::Torque {
+            "torque, as in --limit 30rad/s --limit 0.5Nm"
+        } else {
+            "current, as in --limit 30rad/s --limit 5A"
+        };
+        return Err(WrongArguments(format!(
+            "a drive that follows a profile needs one --limit of its speed and one of its {second}"
+        ))
+        .into());
+    };
+    Ok(Limits { speed_rad_s: *speed_rad_s, effort: *effort, acceleration_rad_s2, watchdog_s: WATCHDOG_S })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_told_apart_by_their_unit() {
+        let near = |text: &str, wanted: f64| {
+            let (Ok(Limit::Speed(value) | Limit::Torque(value) | Limit::Current(value))) = limit(text) else {
+                panic!("{text}")
+            };
+            assert!((value - wanted).abs() < 1e-12 * wanted, "{text} {value}");
+        };
+        near("30rad/s", 30.0);
+        near("300 rpm", std::f64::consts::PI * 10.0);
+        near("0.5Nm", 0.5);
+        near("50 N cm", 0.5);
+        near("5000 mA", 5.0);
+        for text in ["30", "rad/s", "-1A", "nanA", "3Hz", "3 kg", "0Nm"] {
+            assert!(limit(text).is_err(), "{text}");
+        }
+    }
+}
