@@ -28,6 +28,8 @@ mod diagnose_published;
 mod diagnose_robust;
 mod diagnose_steady;
 mod documents;
+#[cfg(unix)]
+mod drives;
 #[cfg(feature = "full")]
 mod export_model;
 #[cfg(feature = "full")]

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use serialport::{SerialPort, TTYPort};
-use socam_sources::simulators::{MoteusSimulator, OdriveSimulator, Turning};
+use socam_sources::simulators::{Firmware, MoteusSimulator, Motor, OdriveSimulator};
 use socam_tests::{Ran, run, socam_host};
 
 /// A name in a folder.
@@ -245,7 +245,7 @@ fn drive(is_over: &AtomicBool, mut line: TTYPort, mut answer: impl FnMut(f64, &[
 #[test]
 fn drives_are_asked_at_a_rate_and_recorded() {
     let folder = tempfile::tempdir().unwrap();
-    let motor = Turning { speed_rad_s: 12.5, torque_nm: 0.25, current_a: 1.5, voltage_v: 24.0, fault: 0 };
+    let motor = Motor::turning(12.5, 0.25, 24.0);
     for kind in ["moteus", "odrive"] {
         let (ours, theirs) = TTYPort::pair().unwrap();
         let device = format!("{kind}:{}", theirs.name().unwrap());
@@ -254,7 +254,8 @@ fn drives_are_asked_at_a_rate_and_recorded() {
         let ran = std::thread::scope(|scope| {
             let _ending = Ending(&is_over);
             scope.spawn(|| {
-                let (mut moteus, mut odrive) = (MoteusSimulator::new(1, motor), OdriveSimulator::new(motor));
+                let (mut moteus, mut odrive) =
+                    (MoteusSimulator::new(1, motor), OdriveSimulator::new(Firmware::Late, motor));
                 drive(&is_over, ours, |time_s, bytes| match kind {
                     "moteus" => moteus.receive(time_s, bytes),
                     _ => odrive.receive(time_s, bytes),

@@ -134,7 +134,7 @@ mod tests {
         assert_eq!(device(&port(0x0483, 0x5740, None)), "moteus:/dev/ttyACM0?id=1");
         assert_eq!(device(&port(0x1209, 0x0d32, None)), "odrive:/dev/ttyACM0?axis=0");
         assert_eq!(device(&port(0x2341, 0x0043, None)), "serial:/dev/ttyACM0?baud=115200");
-        assert!(text(&[line(&port(0x1209, 0x0d33, Some("x")))]).contains("not commanded"));
+        assert!(text(&[line(&port(0x1209, 0x0d33, Some("x")))]).contains("commanded by record --arm"));
         assert!(text(&[]).contains("no serial line"));
     }
 }

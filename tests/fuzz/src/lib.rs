@@ -4,6 +4,7 @@
 //! mutates the seeds and the inputs of `corpus/`: `tests/fuzz/run`.
 
 mod damage;
+mod devices;
 mod hostile;
 mod links;
 mod seeds;

@@ -11,7 +11,7 @@ use socam_recording::{
 };
 use socam_workbench::document;
 
-use crate::{Input, Target, damage, links, seeds};
+use crate::{Input, Target, damage, devices, links, seeds};
 
 /// Most values of a recording that are loaded: a file of a few hundred bytes may rightly hold more samples than are worth reading.
 const MOST_VALUES: u64 = 1 << 20;
@@ -19,7 +19,7 @@ const MOST_VALUES: u64 = 1 << 20;
 const SAMPLE_PERIOD_US: u32 = 1000;
 
 /// All parsers.
-pub const TARGETS: [Target; 16] = [
+pub const TARGETS: [Target; 19] = [
     Target { name: "log", extension: "mcap", parse: log, seeds: seeds::logs },
     Target { name: "damaged-log", extension: "bin", parse: damage::damaged, seeds: damage::recipes },
     Target { name: "csv", extension: "csv", parse: csv, seeds: seeds::tables },
@@ -35,6 +35,9 @@ pub const TARGETS: [Target; 16] = [
     Target { name: "calibration", extension: "toml", parse: calibration, seeds: seeds::calibrations },
     Target { name: "report", extension: "json", parse: report, seeds: seeds::reports },
     Target { name: "host-link", extension: "bin", parse: links::host_link, seeds: seeds::to_host },
+    Target { name: "device-lines", extension: "bin", parse: devices::lines, seeds: devices::line_seeds },
+    Target { name: "device-frames", extension: "bin", parse: devices::frames, seeds: devices::frame_seeds },
+    Target { name: "drives", extension: "bin", parse: devices::drives, seeds: devices::drive_seeds },
     Target { name: "board-link", extension: "bin", parse: links::board_link, seeds: seeds::to_board },
 ];
 

@@ -1,0 +1,92 @@
+//! What devices other than the own board send.
+
+use std::path::Path;
+
+use socam_sources::moteus::Moteus;
+use socam_sources::odrive::Odrive;
+use socam_sources::text::{Bounds, TextDevice, probe};
+use socam_sources::{Chunk, Description, Device, Heard};
+
+use crate::Input;
+
+/// Frames of two numbers with a checksum.
+const FRAMES: &str = "[lines]\nform = \"frames\"\nfields = [\"u16 n\", \"f32 torque\"]\nchecksum = \"crc16\"\n\
+    [channels.torque]\nsignal = \"torque\"\nunit = \"N m\"\n";
+
+/// The bits of the rows of a device, whose bytes arrive in pieces of a size.
+fn rows(mut device: impl Device, bytes: &[u8], size: usize) -> Vec<Vec<u64>> {
+    let (mut heard, mut now_ns) = (Vec::new(), 0);
+    let width = device.channels().len();
+    for bytes in bytes.chunks(size.max(1)) {
+        device.receive(Chunk { bytes, from_ns: now_ns, until_ns: now_ns + 1000 }, &mut heard);
+        now_ns += 1000;
+    }
+    device.interrupted(&mut heard);
+    let rows = heard.into_iter().filter_map(|one| if let Heard::Row(row) = one { Some(row) } else { None });
+    let rows: Vec<Vec<u64>> =
+        rows.map(|row| row.values.iter().map(|value| value.to_bits()).collect()).collect();
+    assert!(rows.iter().all(|row| row.len() == width), "values of a row");
+    rows
+}
+
+/// Rows do not depend on how their bytes arrive. Says whether there is one.
+fn is_heard<D: Device>(bytes: &[u8], device: impl Fn() -> D) -> bool {
+    let whole = rows(device(), bytes, bytes.len());
+    assert_eq!(whole, rows(device(), bytes, 7), "rows of whole and of divided bytes");
+    !whole.is_empty()
+}
+
+/// Lines of text, of which the form is found first.
+pub(crate) fn lines(input: Input<'_>) -> bool {
+    let bytes = input.bytes;
+    let chunk = Chunk { bytes, from_ns: 0, until_ns: 1_500_000_000 };
+    let Ok(found) = probe(&[chunk], Bounds::Ends, true) else { return false };
+    let Ok(description) = found.description() else { return false };
+    is_heard(bytes, || TextDevice::new(description.clone(), Bounds::Ends))
+}
+
+/// Frames of bytes by a description.
+pub(crate) fn frames(input: Input<'_>) -> bool {
+    let Ok(description) = Description::parse(FRAMES) else { return false };
+    is_heard(input.bytes, || TextDevice::new(description.clone(), Bounds::Ends))
+}
+
+/// Answers of a moteus, and of an ODrive.
+pub(crate) fn drives(input: Input<'_>) -> bool {
+    let (Ok(_), Ok(_)) = (Moteus::new(1, 1), Odrive::new(0, 1)) else { return false };
+    let moteus = || Moteus::new(1, 1).expect("a number of a moteus");
+    let odrive = || Odrive::new(0, 1).expect("an axis of an ODrive");
+    is_heard(input.bytes, moteus) | is_heard(input.bytes, odrive)
+}
+
+pub(crate) fn line_seeds(_: &Path) -> Vec<Vec<u8>> {
+    let rows = |row: &dyn Fn(u32) -> String| (0..40).map(row).collect::<String>().into_bytes();
+    vec![
+        rows(&|k| format!("{},{k},{}.5,0.25\n", 2000 * k, k)),
+        rows(&|k| format!("t_us:{},speed_rad_s:{k}\r\n", 2000 * k)),
+        rows(&|k| format!("{{\"timestamp\":{},\"motor\":{{\"speed_rpm\":{k}}}}}\n", 0.002 * f64::from(k))),
+    ]
+}
+
+pub(crate) fn frame_seeds(_: &Path) -> Vec<Vec<u8>> {
+    let checksum = crc::Crc::<u16>::new(&crc::CRC_16_IBM_3740);
+    let frame = |number: u16| {
+        let mut raw = number.to_le_bytes().to_vec();
+        raw.extend(0.25_f32.to_le_bytes());
+        raw.extend(checksum.checksum(&raw).to_le_bytes());
+        let mut encoded = vec![0; raw.len() + 2];
+        let length = cobs::try_encode(&raw, &mut encoded).unwrap_or_default();
+        encoded.truncate(length);
+        encoded.push(0);
+        encoded
+    };
+    // The first frame may have begun before.
+    vec![std::iter::once(0).chain((0..8).flat_map(frame)).collect()]
+}
+
+pub(crate) fn drive_seeds(_: &Path) -> Vec<Vec<u8>> {
+    vec![
+        b"OK\r\nrcv 0100 21000A2D0100004841 2D0200000040 E B F\r\nrcv 0100 23000A0102 E B F\r\nrcv 0100 21000A2D01000048412D0200000040210F00 E B F\r\n".to_vec(),
+        b"1.5 2.0\r\n0.25\r\n24.0\r\n0\r\n1.6 2.0\r\ninvalid property\r\n24.0\r\n2048\r\n".to_vec(),
+    ]
+}
