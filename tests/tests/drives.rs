@@ -124,7 +124,7 @@ impl Bench {
     }
 
     fn recorded(&self) -> Dataset {
-        Dataset::open(self.path("run.mcap")).unwrap()
+        Dataset::open(&self.path("run.mcap")).unwrap()
     }
 }
 
@@ -145,8 +145,7 @@ fn a_moteus_follows_a_profile_and_its_recording_gives_its_inertia() {
     Bench::with(|bench| {
         let arguments = bench.arguments(&LIMITS);
         let ran = run(arguments.iter().map(String::as_str).chain(["--arm", "--json"]));
-        let document = ran.json();
-        assert_eq!(document["end"], "finished", "{ran:?}");
+        assert!(ran.code == Some(0) && ran.stdout.contains("\"end\": \"finished\""), "{ran:?}");
         assert!(
             ran.stderr.contains("largest torque of 0.5 N m")
                 && ran.stderr.contains("it coasts, and a weight falls")

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use serialport::{SerialPort, TTYPort};
-use socam_sources::simulators::{Firmware, MoteusSimulator, Motor, OdriveSimulator};
+use socam_sources::simulators::{Firmware, MoteusSimulator, Motor, OdriveSimulator, SlcanSimulator};
 use socam_tests::{Ran, run, socam_host};
 
 /// A name in a folder.
@@ -272,10 +272,73 @@ fn drives_are_asked_at_a_rate_and_recorded() {
     }
 }
 
+/// A bus whose speed comes every 4 ms and whose torque every 10 ms.
+#[cfg(feature = "full")]
+#[test]
+fn a_can_bus_is_listened_to_and_recorded_by_its_dbc() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, dbc) = (path(&folder, "run.mcap"), path(&folder, "bus.dbc"));
+    std::fs::write(
+        &dbc,
+        "VERSION \"\"\n\nBU_: A\n\nBO_ 257 Motor: 2 A\n SG_ motor_speed : 0|16@1- (0.01,0) [0|0] \"rad/s\" A\n\n\
+         BO_ 258 Load: 2 A\n SG_ torque : 0|16@1- (0.01,0) [0|0] \"Nm\" A\n",
+    )
+    .unwrap();
+    let (mut ours, theirs) = TTYPort::pair().unwrap();
+    let device = format!("slcan:{}?bitrate=500k", theirs.name().unwrap());
+    let is_over = AtomicBool::new(false);
+    let commands = std::sync::Mutex::new(Vec::new());
+    let ran = std::thread::scope(|scope| {
+        let _ending = Ending(&is_over);
+        scope.spawn(|| {
+            let mut adapter = SlcanSimulator::new(true);
+            ours.set_timeout(Duration::from_millis(1)).unwrap();
+            send_evenly(&is_over, |k| {
+                let mut bytes = [0; 100];
+                let count = ours.read(&mut bytes).unwrap_or(0);
+                let mut said = adapter.receive(&bytes[..count]);
+                let number = (k as i16).to_le_bytes();
+                if k % 2 == 0 {
+                    said.extend(adapter.frame(0.002 * k as f64, 257, &number));
+                }
+                if k % 5 == 0 {
+                    said.extend(adapter.frame(0.002 * k as f64, 258, &number));
+                }
+                commands.lock().unwrap().clone_from(&adapter.commands);
+                ours.write_all(&said)
+            });
+        });
+        record(&device, &log, &["--dbc", &dbc, "--duration", "3s"])
+    });
+    let document = document(&ran);
+    assert_eq!((&document["end"], &document["damaged"]), (&"finished".into(), &0.into()), "{ran:?}");
+    let drift = document["clock"]["drift_1"].as_f64().unwrap();
+    assert!(drift.abs() < 0.05 && ran.stderr.contains("each frame of `Motor` gives a row"), "{ran:?}");
+    let data = socam_recording::Dataset::open(&log).unwrap().load(&["motor_speed", "torque"]).unwrap();
+    assert!((740..=750).contains(&data.time_s.len()), "{}", data.time_s.len());
+    let [speed, torque] = [0, 1].map(|column: usize| data.columns[column].values());
+    // Both rise alike; between the frames of the torque it is interpolated.
+    let known = speed.iter().zip(torque).filter(|(_, torque)| !torque.is_nan());
+    assert!(
+        known.clone().count() > 700
+            && known.into_iter().all(|(speed, torque)| (speed - torque).abs() < 0.011)
+    );
+    let sent = commands.lock().unwrap().clone();
+    assert!(
+        sent.iter().all(|command| ["", "C", "S6", "Z1", "L", "F"].contains(&command.as_str())),
+        "{sent:?}"
+    );
+    let refused = record("udp:127.0.0.1:9", &path(&folder, "x.mcap"), &["--dbc", &dbc]);
+    assert!(refused.refusal(2).contains("--dbc says what the frames of a CAN bus hold"), "{refused:?}");
+}
+
 #[test]
 fn what_only_a_board_understands_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let refused = record("udp:127.0.0.1:9", &path(&folder, "x.mcap"), &["--profile", "steps"]);
-    assert!(refused.refusal(2).contains("--profile commands a board or a virtual bench"), "{refused:?}");
+    assert!(
+        refused.refusal(2).contains("--profile commands a board, a virtual bench or a drive"),
+        "{refused:?}"
+    );
     assert_eq!(run(["devices", "--json"]).json()["schema"], "socam.devices/1");
 }

@@ -3,7 +3,7 @@
 #[cfg(feature = "formats-arrow")]
 mod arrow;
 #[cfg(feature = "formats-can")]
-mod can;
+pub(crate) mod can;
 mod detect;
 pub(crate) mod fence;
 mod frames;

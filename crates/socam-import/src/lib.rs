@@ -22,6 +22,8 @@ mod time_names;
 mod times;
 
 pub use error::{ImportError, Result};
+#[cfg(feature = "formats-can")]
+pub use formats::can::{CanSet, CanSignals};
 pub use formats::{FileFormat, Hints, detect, fence::fenced, read};
 pub use import::{Imported, Understood, import};
 pub use mapping::{Between, ChannelMap, Clock, Mapping, SCHEMA, Stamps, Time};

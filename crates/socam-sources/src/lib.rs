@@ -9,6 +9,7 @@
 //! | [`text`] | lines of text: CSV, `key:value`, JSON, as sent by an Arduino, a Pico or a script; frames of bytes by COBS |
 //! | [`moteus`] | a moteus servo drive behind an fdcanusb |
 //! | [`odrive`] | an ODrive by its protocol of text |
+//! | `can` | a CAN bus behind an adapter that speaks slcan, whose signals a DBC describes; only listened to |
 //! | [`simulators`] | simulations of these drives, for tests and rehearsals |
 //!
 //! A [`Drive`] is a device that can be commanded, by the [`Order`] that its next question carries; [`Commanded`] is the only one that gives
@@ -17,6 +18,8 @@
 //! Values are SI. Times are ns of one host clock that never goes back.
 
 mod asking;
+#[cfg(feature = "can")]
+pub mod can;
 mod commanded;
 mod description;
 mod device;

@@ -1,6 +1,8 @@
 //! `record`: run a profile on a bench and record it.
 
+mod can;
 mod drive;
+mod opened;
 mod result;
 mod source;
 mod source_result;
@@ -43,6 +45,7 @@ use source::{SourceArgs, Target};
   socam-host record --device sim --profile steps -o run.mcap                 without a bench
   socam-host record --device serial:/dev/ttyACM0?baud=115200 -o run.mcap     lines of text of any microcontroller
   socam-host record --device udp:0.0.0.0:9870 -o run.mcap --describe arm.toml --duration 60s
+  socam-host record --device slcan:/dev/ttyACM0?bitrate=500k -o run.mcap --dbc motor.dbc --duration 60s
   socam-host record --device moteus:/dev/ttyACM0?id=1 -o run.mcap --profile speeds.toml --limit 30rad/s --limit 0.5Nm --arm")]
 pub(crate) struct Args {
     /// Log to write (.mcap)
@@ -50,7 +53,7 @@ pub(crate) struct Args {
     output: Option<PathBuf>,
     /// Board: serial (the one on USB), serial:PATH, tcp:HOST:PORT, or sim (a virtual one). Lines of text of another device:
     /// serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT. Drives, asked or, with --arm, commanded: moteus:PATH?id=1 (an
-    /// fdcanusb), odrive:PATH?axis=0 (USB)
+    /// fdcanusb), odrive:PATH?axis=0 (USB). A CAN bus with --dbc, only listened to: slcan:PATH?bitrate=500k
     #[arg(long, value_name = "DEVICE", required_unless_present = "list_profiles")]
     device: Option<Target>,
     #[command(flatten)]

@@ -5,6 +5,7 @@ mod bits;
 mod blf;
 mod candump;
 mod database;
+mod live;
 mod signals;
 
 use std::path::{Path, PathBuf};
@@ -15,6 +16,7 @@ use super::FileFormat;
 use crate::error::{ImportError, Result};
 use crate::source::{Source, Wanted};
 use database::Database;
+pub use live::{CanSet, CanSignals};
 use signals::Signals;
 
 /// A frame with data.

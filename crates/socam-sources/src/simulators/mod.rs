@@ -1,12 +1,14 @@
-//! Simulations of drives that answer as the real ones do and obey commands as they do, for tests and rehearsals.
+//! Simulations of drives that answer as the real ones do and obey commands as they do, and of an adapter of CAN, for tests and rehearsals.
 
 mod moteus;
 mod motor;
 mod odrive;
+mod slcan;
 
 pub use moteus::MoteusSimulator;
 pub use motor::{Inertia, Mishap, Motor};
 pub use odrive::{Firmware, OdriveSimulator};
+pub use slcan::SlcanSimulator;
 
 /// Takes the whole lines out of bytes.
 fn lines(bytes: &mut Vec<u8>, more: &[u8]) -> Vec<String> {

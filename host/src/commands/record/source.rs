@@ -11,7 +11,9 @@ use socam_sources::odrive::Odrive;
 use socam_sources::text::{Found, TextDevice};
 use socam_sources::{Description, Device as _, SourceError, Timeline};
 
+use super::can;
 use super::drive::{self, Armed};
+use super::opened::Opened;
 use super::source_result::{outcome, tell};
 use super::{Args, attachment, now_unix_ns, watched};
 use crate::commands::Outcome;
@@ -31,6 +33,9 @@ pub(super) struct SourceArgs {
     /// Take units that names suggest without asking, and leave out signals whose names suggest none
     #[arg(long)]
     accept_guesses: bool,
+    /// DBC that says what the frames of a CAN bus hold
+    #[arg(long, value_name = "FILE.dbc")]
+    dbc: Option<PathBuf>,
 }
 
 /// What `--device` names.
@@ -44,14 +49,15 @@ impl FromStr for Target {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let is_other = ["text+", "udp:", "moteus:", "odrive:"].iter().any(|kind| text.starts_with(kind))
-            || text.contains("?baud=");
+        let is_other =
+            ["text+", "udp:", "moteus:", "odrive:", "slcan:"].iter().any(|kind| text.starts_with(kind))
+                || text.contains("?baud=");
         if is_other {
             return text.parse().map(Self::Source);
         }
         let board = text.parse().map(Self::Board);
         board.map_err(|error: String| {
-            format!("{error}; or another device: serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT, moteus:PATH?id=1, odrive:PATH?axis=0")
+            format!("{error}; or another device: serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT, moteus:PATH?id=1, odrive:PATH?axis=0, slcan:PATH?bitrate=500k")
         })
     }
 }
@@ -59,6 +65,11 @@ impl FromStr for Target {
 /// The device, which a description makes one of lines of text.
 pub(super) fn of(target: &Target, args: &SourceArgs) -> Result<Target, WrongArguments> {
     let Target::Board(board) = target else { return Ok(target.clone()) };
+    if args.dbc.is_some() {
+        return Err(WrongArguments(format!(
+            "--dbc says what the frames of a CAN bus hold, not what {board} sends"
+        )));
+    }
     if args.describe.is_none() && !args.accept_guesses {
         return Ok(target.clone());
     }
@@ -113,23 +124,6 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
     outcome(path, &report)
 }
 
-/// A device that is ready to be recorded.
-struct Opened {
-    device: Box<dyn socam_sources::Device>,
-    timeline: Timeline,
-    heard: Listened,
-    /// Text of its description, if it has one.
-    description: Option<String>,
-}
-
-impl Opened {
-    /// A device that is asked and was not listened to.
-    fn asked(device: Box<dyn socam_sources::Device>) -> Self {
-        let timeline = Timeline::new(device.numbering(), None);
-        Self { device, timeline, heard: Listened(Vec::new()), description: None }
-    }
-}
-
 /// Makes the protocol of a device; a device of text is listened to first.
 fn open(
     link: &mut Link,
@@ -142,6 +136,10 @@ fn open(
     let asked: Box<dyn socam_sources::Device> = match address.protocol {
         Protocol::Moteus(id) => Box::new(Moteus::new(id, period_ns)?),
         Protocol::Odrive(axis) => Box::new(Odrive::new(axis, period_ns)?),
+        Protocol::Slcan(bitrate) => {
+            refuse_description(&args.source)?;
+            return can::open(link, &name, bitrate, args.source.dbc.as_deref(), interrupt);
+        }
         Protocol::Text => {
             let heard = listen(link, &name, interrupt)?;
             let description = description(&heard, link, &args.source, &name)?;
@@ -161,7 +159,7 @@ fn open(
 
 fn refuse_description(args: &SourceArgs) -> Result<(), WrongArguments> {
     if args.describe.is_some() || args.accept_guesses {
-        let problem = "--describe and --accept-guesses are for devices that send lines of text; a drive states its units";
+        let problem = "--describe and --accept-guesses are for devices that send lines of text; a drive states its units, and a DBC those of a bus";
         return Err(WrongArguments(problem.into()));
     }
     Ok(())
@@ -169,6 +167,12 @@ fn refuse_description(args: &SourceArgs) -> Result<(), WrongArguments> {
 
 /// Options that only the own board, or a virtual bench, understands.
 fn refuse_board_options(args: &Args, address: &SourceAddress) -> Result<(), WrongArguments> {
+    let is_can = matches!(address.protocol, Protocol::Slcan(_));
+    if args.source.dbc.is_some() && !is_can {
+        return Err(WrongArguments(format!(
+            "--dbc says what the frames of a CAN bus hold, not what {address} sends"
+        )));
+    }
     let given = [
         ("--calibration", args.calibration.is_some()),
         ("--realtime", args.realtime),

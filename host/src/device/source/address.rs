@@ -16,6 +16,8 @@ pub(crate) enum Protocol {
     Moteus(u8),
     /// This axis of an ODrive.
     Odrive(u8),
+    /// A CAN bus of this bit rate, behind an adapter that speaks slcan.
+    Slcan(u32),
 }
 
 /// The other end of a link.
@@ -60,6 +62,7 @@ impl FromStr for SourceAddress {
         match kind {
             "moteus" => return drive("id", 1, Protocol::Moteus),
             "odrive" => return drive("axis", 0, Protocol::Odrive),
+            "slcan" => return slcan(rest),
             _ => {}
         }
         let place = match kind {
@@ -86,6 +89,19 @@ fn serial(text: &str) -> Result<Place, String> {
         return Err("the path of the serial line is missing, as in serial:/dev/ttyACM0?baud=115200".into());
     }
     Ok(Place::Serial(path.into(), rate))
+}
+
+/// The path of an adapter's line, and the bit rate of its bus: `/dev/ttyACM0?bitrate=500k`.
+fn slcan(text: &str) -> Result<SourceAddress, String> {
+    let expected = "expected slcan:PATH?bitrate=500k";
+    let (path, rate) = text.split_once("?bitrate=").filter(|(path, _)| !path.is_empty()).ok_or(expected)?;
+    let (digits, factor) = match rate.trim_end_matches(['k', 'K', 'M']) {
+        digits if digits.len() == rate.len() => (digits, 1),
+        digits if rate.ends_with('M') => (digits, 1_000_000),
+        digits => (digits, 1000),
+    };
+    let rate = digits.parse::<u32>().ok().and_then(|rate| rate.checked_mul(factor)).ok_or(expected)?;
+    Ok(SourceAddress { protocol: Protocol::Slcan(rate), place: Place::Serial(path.into(), BAUD) })
 }
 
 /// The path of a drive's line, and its number: `/dev/ttyACM0?id=1`.
@@ -126,6 +142,7 @@ impl std::fmt::Display for SourceAddress {
         match (self.protocol, &self.place) {
             (Protocol::Moteus(id), Place::Serial(path, _)) => write!(f, "moteus:{path}?id={id}"),
             (Protocol::Odrive(axis), Place::Serial(path, _)) => write!(f, "odrive:{path}?axis={axis}"),
+            (Protocol::Slcan(rate), Place::Serial(path, _)) => write!(f, "slcan:{path}?bitrate={rate}"),
             (_, place) => place.fmt(f),
         }
     }

@@ -51,6 +51,12 @@ pub(crate) fn listen(link: &mut Link, name: &str, interrupt: &Interrupt) -> anyh
 }
 
 impl Listened {
+    /// The bytes as a device takes them.
+    #[cfg(feature = "formats-can")]
+    pub(crate) fn chunks(&self) -> Vec<socam_sources::Chunk<'_>> {
+        self.0.iter().map(Arrived::chunk).collect()
+    }
+
     /// What the device sends, as far as it states it.
     pub(crate) fn probe(&self, bounds: Bounds, take_guesses: bool) -> socam_sources::Result<Found> {
         let chunks: Vec<_> = self.0.iter().map(Arrived::chunk).collect();
