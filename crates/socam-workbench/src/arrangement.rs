@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use crate::derivation::Derivation;
+use crate::display_units::DisplayUnits;
 use crate::signal::Signal;
 
 /// Schema of a layout's file.
@@ -29,11 +30,21 @@ pub struct Arrangement {
     /// Derived channels.
     #[serde(default)]
     pub derived: Vec<Derivation>,
+    /// Units in which channels are shown.
+    #[serde(default, skip_serializing_if = "DisplayUnits::is_si")]
+    pub units: DisplayUnits,
 }
 
 impl Default for Arrangement {
     fn default() -> Self {
-        Self { schema: SCHEMA.into(), plots: None, even: true, hidden: BTreeSet::new(), derived: Vec::new() }
+        Self {
+            schema: SCHEMA.into(),
+            plots: None,
+            even: true,
+            hidden: BTreeSet::new(),
+            derived: Vec::new(),
+            units: DisplayUnits::default(),
+        }
     }
 }
 
@@ -93,6 +104,10 @@ pub enum Plot {
     Spectrogram(Signal),
     /// Statistics of every channel that is drawn over time.
     Statistics,
+    /// How often values of a channel occur in the range in sight.
+    Histogram(Signal),
+    /// The rows in sight of one recording: times, and every channel that is drawn over time.
+    Table,
 }
 
 impl Plot {
@@ -120,6 +135,8 @@ impl Plot {
             Self::Xy { y, x } => format!("{} over {}", y.name, x.name),
             Self::Spectrogram(signal) => format!("spectrogram of {}", signal.name),
             Self::Statistics => "statistics".into(),
+            Self::Histogram(signal) => format!("histogram of {}", signal.name),
+            Self::Table => "table of values".into(),
         }
     }
 
@@ -146,11 +163,11 @@ impl Plot {
                 *y = signal;
                 Ok(())
             }
-            Self::Spectrogram(own) => {
+            Self::Spectrogram(own) | Self::Histogram(own) => {
                 *own = signal;
                 Ok(())
             }
-            Self::Statistics => {
+            Self::Statistics | Self::Table => {
                 Err("the table shows every channel that is drawn: drop it at an edge to get a plot".into())
             }
         }

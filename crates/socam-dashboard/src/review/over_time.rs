@@ -23,7 +23,7 @@ impl Review {
         self.linked.take(&shown);
         self.take_x(&shown);
         if shown.y_moved && !shown.response.double_clicked() {
-            let title = Plot::Time(signals.to_vec()).title();
+            let title = self.plot_name(signals);
             self.y.retain(|(name, _)| *name != title);
             self.y.push((title, shown.y));
         }
@@ -46,6 +46,17 @@ impl Review {
         }
     }
 
+    /// Name by which a plot's vertical axis is kept: it is another one in another unit.
+    fn plot_name(&self, signals: &[Signal]) -> String {
+        let title = Plot::Time(signals.to_vec()).title();
+        let unit = content::axis(signals, &self.units).unit;
+        if signals.first().is_some_and(|first| first.unit != unit) {
+            format!("{title}, {unit}")
+        } else {
+            title
+        }
+    }
+
     /// Curves, or differences to the reference, with gaps, events and cursors.
     fn chart_over_time(
         &self,
@@ -55,15 +66,16 @@ impl Review {
         (rect, has_axis): (Rect, bool),
     ) -> Chart {
         let (x, entries) = (drawing.x, drawing.entries);
-        let plot = Plot::Time(signals.to_vec()).title();
-        let mut chart = Chart::new(("review", &plot), content::title(signals, drawing.signals), rect.size());
+        let plot = self.plot_name(signals);
+        let title = content::title(signals, drawing.signals, &self.units);
+        let mut chart = Chart::new(("review", &plot), title, rect.size());
         chart.when_empty = "no value here";
         (chart.stack, chart.leaves_room) = (Some(super::stack()), drawing.leaves_room(rect));
         chart.x = x;
         if has_axis {
             chart.x_label = "time, s".into();
         }
-        let frame = Frame { x, pixels: rect.width() as usize, lit: self.lit };
+        let frame = Frame { x, pixels: rect.width() as usize, lit: self.lit, units: &self.units };
         match self.reference.filter(|reference| *reference < entries.len()) {
             Some(reference) => {
                 let name = short(&entries[reference].recording.about.name);
@@ -78,7 +90,7 @@ impl Review {
                 chart.curves = content::curves(ui, entries, signals, frame);
                 content::missing(ui, entries, signals, self.lit, &mut chart);
                 if let Some(at) = self.linked.at() {
-                    chart.readings = content::readings(entries, signals, self.lit, at);
+                    chart.readings = content::readings(entries, signals, frame, at);
                 }
             }
         }

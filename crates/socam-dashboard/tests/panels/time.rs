@@ -105,7 +105,7 @@ fn a_channel_is_derived_in_the_dialog_and_measured_in_the_table() {
         operation: Operation::Product,
         of: "torque_in".into(),
         second: Some("motor_speed".into()),
-        value: None,
+        ..Derivation::default()
     };
     window.state_mut().views.time.derive(power);
     until(&mut window, "the power", |window| !window.state().is_busy());

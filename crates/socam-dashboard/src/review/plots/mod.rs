@@ -64,8 +64,8 @@ impl Plots {
         let is_there = |plot: &Plot| match plot {
             Plot::Time(own) => own.iter().any(|signal| signals.contains(signal)),
             Plot::Xy { y, x } => signals.contains(y) && signals.contains(x),
-            Plot::Spectrogram(signal) => signals.contains(signal),
-            Plot::Statistics => !signals.is_empty(),
+            Plot::Spectrogram(signal) | Plot::Histogram(signal) => signals.contains(signal),
+            Plot::Statistics | Plot::Table => !signals.is_empty(),
         };
         let states: Vec<(TileId, bool)> = self.panes().map(|(id, plot)| (id, is_there(plot))).collect();
         states.into_iter().for_each(|(id, visible)| self.tree.set_visible(id, visible));
