@@ -91,7 +91,7 @@ pub struct Part {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Plot {
-    /// Channels of one unit over time.
+    /// Channels of one unit over time, or of two: those of the first channel's unit have the left axis, the others the right one.
     Time(Vec<Signal>),
     /// One channel over another, coloured by time.
     Xy {
@@ -110,13 +110,21 @@ pub enum Plot {
     Table,
 }
 
+/// Most units of a plot: one axis at the left, one at the right.
+const MOST_UNITS: usize = 2;
+
 impl Plot {
-    /// The unit of its vertical axis, for plots that take more channels.
-    fn unit(&self) -> Option<&str> {
-        match self {
-            Self::Time(signals) => signals.first().map(|signal| signal.unit.as_str()),
-            _ => None,
+    /// The units of its vertical axes, for plots that take more channels.
+    fn units(&self) -> Vec<String> {
+        let mut units: Vec<String> = Vec::new();
+        if let Self::Time(signals) = self {
+            for signal in signals.iter().filter(|signal| !signal.unit.is_empty()) {
+                if !units.contains(&signal.unit) {
+                    units.push(signal.unit.clone());
+                }
+            }
         }
+        units
     }
 
     /// Whether its horizontal axis is time.
@@ -143,21 +151,21 @@ impl Plot {
     /// Puts a channel into it.
     ///
     /// # Errors
-    /// When it has another unit, or the tile takes no channel; one sentence.
+    /// When it has a third unit, or the tile takes no channel; one sentence.
     pub fn join(&mut self, signal: Signal) -> Result<(), String> {
-        let unit = self.unit().map(str::to_owned);
+        let units = self.units();
         match self {
-            Self::Time(signals) if unit.as_deref().is_none_or(|unit| unit == signal.unit) => {
+            Self::Time(signals) if units.len() < MOST_UNITS || units.contains(&signal.unit) => {
                 if !signals.contains(&signal) {
                     signals.push(signal);
                 }
                 Ok(())
             }
             Self::Time(_) => Err(format!(
-                "{} is in {} and this plot in {}: drop it at an edge to get a plot of its own",
+                "{} is in {} and this plot has axes in {}: drop it at an edge to get a plot of its own",
                 signal.name,
                 signal.unit,
-                unit.unwrap_or_default()
+                units.join(" and ")
             )),
             Self::Xy { y, .. } => {
                 *y = signal;

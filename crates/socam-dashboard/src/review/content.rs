@@ -29,6 +29,17 @@ pub(super) struct Frame<'a> {
     /// Number of the recording that is highlighted.
     pub(super) lit: Option<usize>,
     pub(super) units: &'a DisplayUnits,
+    /// Whether the plot has several channels, so that curves are named by them.
+    pub(super) is_shared: bool,
+    /// Number of channels of the plot before those of which curves are made.
+    pub(super) first: usize,
+}
+
+/// The channels of a plot with those of the left axis first, and the number of these.
+pub(super) fn by_axis(signals: &[Signal]) -> (Vec<Signal>, usize) {
+    let is_left = |signal: &&Signal| signals.first().is_some_and(|first| first.unit == signal.unit);
+    let (left, right): (Vec<&Signal>, Vec<&Signal>) = signals.iter().partition(is_left);
+    (left.iter().chain(&right).map(|signal| (*signal).clone()).collect(), left.len())
 }
 
 /// The unit of a plot's axis: that of its first channel.
@@ -64,6 +75,7 @@ pub(super) fn curves(ui: &Ui, entries: &[Entry], signals: &[Signal], frame: Fram
     let mut curves = Vec::new();
     let per_si = axis(signals, frame.units).per_si;
     for (place, signal) in signals.iter().enumerate() {
+        let place = place + frame.first;
         let having = having(entries, signal, frame.lit);
         for (entry, samples, channel) in &having {
             let shift = entry.shift_s;
@@ -75,10 +87,10 @@ pub(super) fn curves(ui: &Ui, entries: &[Entry], signals: &[Signal], frame: Fram
                 _ => Style::Marked(MARKERS[(place - 1) % MARKERS.len()].0),
             };
             let full_name = &entry.recording.about.name;
-            let name = if signals.len() == 1 {
-                full_name.clone()
-            } else {
+            let name = if frame.is_shared {
                 format!("{} of {}", signal.name, short(full_name))
+            } else {
+                full_name.clone()
             };
             let colour = tinted(ui, colour(ui, entry, frame.lit, having.len()), place);
             curves.push(Curve { name, colour, parts: line.parts, style });
@@ -112,15 +124,25 @@ fn tinted(ui: &Ui, colour: Color32, place: usize) -> Color32 {
     colour.lerp_to_gamma(ink, share)
 }
 
-/// Names of the channels of a plot, with their markers, and their unit.
+/// Names of the channels of a plot, ordered [`by_axis`], with their markers, and the unit of the left axis.
 pub(super) fn title(signals: &[Signal], shown: &[Signal], units: &DisplayUnits) -> String {
+    let left = signals.first().map_or("", |first| first.unit.as_str());
     let visible = || signals.iter().enumerate().filter(|(_, signal)| shown.contains(signal));
-    let names = visible().map(|(place, signal)| match place.checked_sub(1) {
-        None => signal.name.clone(),
-        Some(later) => format!("{} ({})", signal.name, MARKERS[later % MARKERS.len()].1),
+    let names = visible().map(|(place, signal)| {
+        let side = if signal.unit == left { "" } else { ", right axis" };
+        match place.checked_sub(1) {
+            None => signal.name.clone(),
+            Some(later) => format!("{} ({}{side})", signal.name, MARKERS[later % MARKERS.len()].1),
+        }
     });
     let unit = axis(signals, units).unit;
     format!("{}, {unit}", names.collect::<Vec<_>>().join(" and "))
+}
+
+/// Names of channels and the unit in which they are shown.
+pub(super) fn label(signals: &[Signal], shown: &[Signal], units: &DisplayUnits) -> String {
+    let names = signals.iter().filter(|signal| shown.contains(signal)).map(|signal| signal.name.as_str());
+    format!("{}, {}", names.collect::<Vec<_>>().join(" and "), axis(signals, units).unit)
 }
 
 /// Shades the gaps between segments of a recording.

@@ -34,7 +34,7 @@ pub(super) const HELP: Help = &[
     ("Search; Ctrl+F", "filters recordings and channels by parts of their names"),
     (
         "a channel, dragged",
-        "into a plot of the same unit joins it; to an edge of a plot makes a new one there",
+        "into a plot joins it, with an axis of its own at the right where its unit is another one, at most two units in a plot; to an edge of a plot makes a new one there",
     ),
     (
         "Move ...; Close the plot ...",

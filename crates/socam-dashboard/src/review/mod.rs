@@ -94,7 +94,7 @@ struct Drawing<'a> {
     seen: &'a mut Vec<Seen>,
     /// Requests to the window.
     requests: Vec<Request>,
-    /// Horizontal extents of spectrograms: plots over time above and below leave the room of their colour bars.
+    /// Horizontal extents of spectrograms and of plots with two axes: plots over time above and below leave the room of their colour bars.
     bars: Vec<egui::Rangef>,
     /// Horizontal extents of the plots over time.
     columns: Vec<egui::Rangef>,

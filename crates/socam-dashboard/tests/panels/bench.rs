@@ -111,6 +111,9 @@ fn speeds_are_shown_in_revolutions_per_minute_and_stay_in_si() {
 #[test]
 fn a_histogram_says_mean_and_deviation_and_a_table_has_the_values() {
     let mut window = with(View::Time, 2);
+    for channel in ["output_speed, rad/s", "torque_in, N m", "torque_out, N m"] {
+        click(&mut window, channel);
+    }
     press(&mut window, Key::H);
     until(&mut window, "the counts", |window| !window.state().is_busy());
     window.run_steps(2);
