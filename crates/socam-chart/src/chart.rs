@@ -8,6 +8,7 @@ pub mod hover;
 mod layer;
 mod marks;
 mod picture;
+mod right;
 mod ruler;
 mod wheel;
 
@@ -22,6 +23,7 @@ pub use axes::with_room;
 use axes::{moved, padded, scaled, unscaled};
 pub use empty::empty_state;
 pub use picture::take as take_picture;
+pub use right::Right;
 pub use ruler::ruler;
 use wheel::after_wheel;
 
@@ -55,6 +57,8 @@ pub struct Chart {
     pub leaves_room: bool,
     /// Cloud of dots or field of colours drawn below the curves, with a colour bar.
     pub backdrop: Option<Backdrop>,
+    /// A second vertical axis, of the last curves; both axes are linear.
+    pub right: Option<Right>,
     /// Shaded ranges of the horizontal axis, such as gaps.
     pub shaded: Vec<([f64; 2], Color32)>,
     /// Bands between two lines: low and high at each x.
@@ -159,6 +163,7 @@ impl Chart {
             stack: None,
             leaves_room: false,
             backdrop: None,
+            right: None,
             shaded: Vec::new(),
             bands: Vec::new(),
             flags: Vec::new(),
@@ -205,6 +210,9 @@ impl Chart {
         if let Some(backdrop) = &self.backdrop {
             backdrop.colours().bar(ui, &ui.painter_at(whole.intersect(ui.clip_rect())), frame);
         }
+        if let Some(right) = &self.right {
+            right.axis(ui, &ui.painter_at(whole.intersect(ui.clip_rect())), frame);
+        }
         if self.is_empty() {
             let font = FontId::proportional(12.5);
             painter.text(frame.center(), Align2::CENTER_CENTER, self.when_empty, font, theme::weak(ui));
@@ -227,7 +235,7 @@ impl Chart {
         let response =
             if told.is_empty() { response } else { response.on_hover_text_at_pointer(told.join("\n")) };
         let ranges = [unscaled(x, log_x), unscaled(y, log_y)];
-        seen.push(self.seen(ranges));
+        seen.extend(self.seen(ranges));
         Shown {
             response,
             x_moved: moved(x, x_now),
@@ -240,18 +248,25 @@ impl Chart {
         }
     }
 
-    fn seen(self, ranges: [[f64; 2]; 2]) -> Seen {
-        Seen {
-            title: self.title,
-            x_label: self.x_label,
+    /// The contents for exports; those of a second axis are a chart of their own.
+    fn seen(mut self, ranges: [[f64; 2]; 2]) -> Vec<Seen> {
+        let right = self.right.take().map(|right| {
+            let curves = self.curves.split_off(right.first.min(self.curves.len()));
+            (Self { title: right.label, curves, backdrop: None, bands: Vec::new(), ..self.clone() }, right.y)
+        });
+        let seen = |chart: Self, ranges| Seen {
+            title: chart.title,
+            x_label: chart.x_label,
             ranges,
-            scales: self.scales,
-            curves: self.curves,
-            backdrop: self.backdrop,
-            shaded: self.shaded,
-            bands: self.bands,
-            flags: self.flags,
-        }
+            scales: chart.scales,
+            curves: chart.curves,
+            backdrop: chart.backdrop,
+            shaded: chart.shaded,
+            bands: chart.bands,
+            flags: chart.flags,
+        };
+        let beside = right.map(|(chart, y)| seen(chart, [ranges[0], y]));
+        std::iter::once(seen(self, ranges)).chain(beside).collect()
     }
 }
 

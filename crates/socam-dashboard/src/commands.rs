@@ -13,6 +13,7 @@ pub(crate) enum Command {
     Open,
     SaveSignal,
     SaveRecording,
+    SaveSession,
     Simulate,
     ExportPng,
     ExportSvg,
@@ -39,11 +40,12 @@ const VIEWS: [Key; 9] =
     [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
 /// Commands besides the views with their texts and keys, in the order of the menus.
-const COMMANDS: [(Command, &str, Modifiers, Key); 19] = [
+const COMMANDS: [(Command, &str, Modifiers, Key); 20] = [
     (Command::NewSignal, "New input signal", CTRL, Key::N),
     (Command::Open, "Open...", CTRL, Key::O),
     (Command::SaveSignal, "Save input signal...", CTRL, Key::S),
     (Command::SaveRecording, "Save recording as .csv or .m...", CTRL_SHIFT, Key::S),
+    (Command::SaveSession, "Save session...", CTRL_SHIFT, Key::P),
     (Command::Simulate, "Simulate the shown recordings", CTRL_SHIFT, Key::M),
     (Command::ExportPng, "as PNG...", CTRL, Key::E),
     (Command::ExportSvg, "as SVG...", CTRL_SHIFT, Key::E),
@@ -68,11 +70,19 @@ impl Command {
         COMMANDS.iter().map(|(command, ..)| *command).chain(views).filter(|command| command.is_reachable())
     }
 
-    /// Whether this platform has it: a page in a browser has no bench.
+    /// Whether this platform has it: a page in a browser has no bench and no files.
     fn is_reachable(self) -> bool {
-        let of_the_bench =
-            [Self::NewSignal, Self::SaveSignal, Self::Undo, Self::Redo, Self::Cut, Self::Copy, Self::Paste];
-        HAS_BENCH || !of_the_bench.contains(&self)
+        let of_the_desktop = [
+            Self::NewSignal,
+            Self::SaveSignal,
+            Self::SaveSession,
+            Self::Undo,
+            Self::Redo,
+            Self::Cut,
+            Self::Copy,
+            Self::Paste,
+        ];
+        HAS_BENCH || !of_the_desktop.contains(&self)
     }
 
     fn entry(self) -> Option<&'static (Self, &'static str, Modifiers, Key)> {

@@ -168,6 +168,7 @@ impl Dashboard {
                 self.views.time.arrange(&plots);
                 self.layout.view = View::Time;
             }
+            Document::Session(session) => self.show_session(*session),
             Document::Signal(_) if !platform::HAS_BENCH => self.warn(
                 "that is an input signal: it takes a bench, which only the program on a desktop can reach",
             ),

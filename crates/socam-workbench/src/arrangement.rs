@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use crate::derivation::Derivation;
+use crate::display_units::DisplayUnits;
 use crate::signal::Signal;
 
 /// Schema of a layout's file.
@@ -29,11 +30,21 @@ pub struct Arrangement {
     /// Derived channels.
     #[serde(default)]
     pub derived: Vec<Derivation>,
+    /// Units in which channels are shown.
+    #[serde(default, skip_serializing_if = "DisplayUnits::is_si")]
+    pub units: DisplayUnits,
 }
 
 impl Default for Arrangement {
     fn default() -> Self {
-        Self { schema: SCHEMA.into(), plots: None, even: true, hidden: BTreeSet::new(), derived: Vec::new() }
+        Self {
+            schema: SCHEMA.into(),
+            plots: None,
+            even: true,
+            hidden: BTreeSet::new(),
+            derived: Vec::new(),
+            units: DisplayUnits::default(),
+        }
     }
 }
 
@@ -80,7 +91,7 @@ pub struct Part {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Plot {
-    /// Channels of one unit over time.
+    /// Channels of one unit over time, or of two: those of the first channel's unit have the left axis, the others the right one.
     Time(Vec<Signal>),
     /// One channel over another, coloured by time.
     Xy {
@@ -93,15 +104,27 @@ pub enum Plot {
     Spectrogram(Signal),
     /// Statistics of every channel that is drawn over time.
     Statistics,
+    /// How often values of a channel occur in the range in sight.
+    Histogram(Signal),
+    /// The rows in sight of one recording: times, and every channel that is drawn over time.
+    Table,
 }
 
+/// Most units of a plot: one axis at the left, one at the right.
+const MOST_UNITS: usize = 2;
+
 impl Plot {
-    /// The unit of its vertical axis, for plots that take more channels.
-    fn unit(&self) -> Option<&str> {
-        match self {
-            Self::Time(signals) => signals.first().map(|signal| signal.unit.as_str()),
-            _ => None,
+    /// The units of its vertical axes, for plots that take more channels.
+    fn units(&self) -> Vec<String> {
+        let mut units: Vec<String> = Vec::new();
+        if let Self::Time(signals) = self {
+            for signal in signals.iter().filter(|signal| !signal.unit.is_empty()) {
+                if !units.contains(&signal.unit) {
+                    units.push(signal.unit.clone());
+                }
+            }
         }
+        units
     }
 
     /// Whether its horizontal axis is time.
@@ -120,37 +143,39 @@ impl Plot {
             Self::Xy { y, x } => format!("{} over {}", y.name, x.name),
             Self::Spectrogram(signal) => format!("spectrogram of {}", signal.name),
             Self::Statistics => "statistics".into(),
+            Self::Histogram(signal) => format!("histogram of {}", signal.name),
+            Self::Table => "table of values".into(),
         }
     }
 
     /// Puts a channel into it.
     ///
     /// # Errors
-    /// When it has another unit, or the tile takes no channel; one sentence.
+    /// When it has a third unit, or the tile takes no channel; one sentence.
     pub fn join(&mut self, signal: Signal) -> Result<(), String> {
-        let unit = self.unit().map(str::to_owned);
+        let units = self.units();
         match self {
-            Self::Time(signals) if unit.as_deref().is_none_or(|unit| unit == signal.unit) => {
+            Self::Time(signals) if units.len() < MOST_UNITS || units.contains(&signal.unit) => {
                 if !signals.contains(&signal) {
                     signals.push(signal);
                 }
                 Ok(())
             }
             Self::Time(_) => Err(format!(
-                "{} is in {} and this plot in {}: drop it at an edge to get a plot of its own",
+                "{} is in {} and this plot has axes in {}: drop it at an edge to get a plot of its own",
                 signal.name,
                 signal.unit,
-                unit.unwrap_or_default()
+                units.join(" and ")
             )),
             Self::Xy { y, .. } => {
                 *y = signal;
                 Ok(())
             }
-            Self::Spectrogram(own) => {
+            Self::Spectrogram(own) | Self::Histogram(own) => {
                 *own = signal;
                 Ok(())
             }
-            Self::Statistics => {
+            Self::Statistics | Self::Table => {
                 Err("the table shows every channel that is drawn: drop it at an edge to get a plot".into())
             }
         }

@@ -1,6 +1,7 @@
 //! Derived channels: what they are computed from, their names and units.
 
 pub(crate) mod compute;
+pub mod formula;
 
 use std::sync::Arc;
 
@@ -31,11 +32,14 @@ pub enum Operation {
     HighPass,
     /// Mean of a window around each sample.
     MovingMean,
+    /// A formula over channels, sample by sample.
+    Formula,
 }
 
 impl Operation {
     /// All operations.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
+        Self::Formula,
         Self::Derivative,
         Self::Integral,
         Self::Difference,
@@ -58,6 +62,7 @@ impl Operation {
             Self::LowPass => "low-pass",
             Self::HighPass => "high-pass",
             Self::MovingMean => "moving mean",
+            Self::Formula => "formula",
         }
     }
 
@@ -77,6 +82,9 @@ impl Operation {
             }
             Self::HighPass => "The channel minus its low-pass (Butterworth, forward and backward): no delay.",
             Self::MovingMean => "Mean of the samples in a window around each sample; shorter beside a gap.",
+            Self::Formula => {
+                "Channels, numbers, pi, + - * / ^ and functions, sample by sample in SI; missing where one of its channels is."
+            }
         }
     }
 
@@ -108,7 +116,8 @@ impl Operation {
 pub struct Derivation {
     /// Operation of the derivation.
     pub operation: Operation,
-    /// Name of the channel.
+    /// Name of the channel; of a formula that of the derived channel, empty for the formula itself.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub of: String,
     /// Name of the second channel, for operations of two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -116,10 +125,13 @@ pub struct Derivation {
     /// Corner in Hz or window in s, for operations that have one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
+    /// The formula, for that operation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub formula: Option<String>,
 }
 
 impl Derivation {
-    /// Name of the derived channel: the channel's name, a dot, and the operation.
+    /// Name of the derived channel: the channel's name, a dot, and the operation; or that of a formula.
     #[must_use]
     pub fn name(&self) -> String {
         let second = self.second.as_deref().unwrap_or_default();
@@ -133,15 +145,42 @@ impl Derivation {
             Operation::LowPass => format!("low_pass_{value}Hz"),
             Operation::HighPass => format!("high_pass_{value}Hz"),
             Operation::MovingMean => format!("mean_{value}s"),
+            Operation::Formula if self.of.is_empty() => {
+                return self.text().split_whitespace().collect();
+            }
+            Operation::Formula => return self.of.clone(),
         };
         format!("{}.{end}", self.of)
     }
 
-    /// Unit of the derived channel, from those of its channels.
+    /// The formula; empty for other operations.
+    fn text(&self) -> &str {
+        self.formula.as_deref().unwrap_or_default()
+    }
+
+    /// The channels of `all` from which it is derived, in the order in which [`unit`](Self::unit) takes them; `None` where one of them is
+    /// missing.
+    #[must_use]
+    pub fn sources(&self, all: &[Signal]) -> Option<Vec<Signal>> {
+        let find = |is_one: &dyn Fn(&str) -> bool| all.iter().find(|signal| is_one(&signal.name)).cloned();
+        if self.operation == Operation::Formula {
+            let names = formula::names(self.text()).ok()?;
+            return names.iter().map(|own| find(&|name| formula::called(name) == *own)).collect();
+        }
+        let second = self.second.as_ref().filter(|_| self.operation.second().is_some());
+        [Some(&self.of), second].into_iter().flatten().map(|own| find(&|name| name == own)).collect()
+    }
+
+    /// Unit of the derived channel, from its sources; of a formula from any channels among which they are.
     ///
     /// # Errors
-    /// When channels of different units are to be subtracted, or a unit is unknown; one sentence.
-    pub fn unit(&self, of: &str, second: Option<&str>) -> Result<String, String> {
+    /// When units do not go together or are unknown, or a formula is none; one sentence.
+    pub fn unit(&self, sources: &[Signal]) -> Result<String, String> {
+        if self.operation == Operation::Formula {
+            return formula::unit(self.text(), sources);
+        }
+        let [of, second] = [0, 1].map(|place| sources.get(place).map(|signal| signal.unit.as_str()));
+        let of = of.ok_or("choose a channel")?;
         let parsed =
             |unit: &str| Product::of_symbol(unit).ok_or_else(|| format!("the unit {unit} is unknown"));
         let own = parsed(of)?;

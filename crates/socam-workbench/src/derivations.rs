@@ -84,8 +84,8 @@ impl Derivations {
             else {
                 continue;
             };
-            let units: Vec<&str> = sources.iter().map(|(signal, ..)| signal.unit.as_str()).collect();
-            let unit = match derivation.unit(units[0], units.get(1).copied()) {
+            let signals: Vec<Signal> = sources.iter().map(|(signal, ..)| signal.clone()).collect();
+            let unit = match derivation.unit(&signals) {
                 Ok(unit) => unit,
                 // The dialog has said so where the units are those of a recording that is shown.
                 Err(_) => {
@@ -98,8 +98,8 @@ impl Derivations {
             let (recording, own) = (entry.recording.samples.clone(), derivation.clone());
             let title = format!("Deriving {} of {}", signal.name, short(&entry.recording.about.name));
             let job = Job::start(&title, wake, move |handle| {
-                let of = |index: usize| (&*sources[index].1, sources[index].2);
-                let values = values(&own, [of(0), of(sources.len() - 1)], handle)?;
+                let of: Vec<_> = sources.iter().map(|(_, samples, channel)| (&**samples, *channel)).collect();
+                let values = values(&own, &signals, &of, handle)?;
                 Ok(Samples::beside(&sources[0].1, &values))
             });
             return Some(Running { recording, derivation: derivation.clone(), signal, job });

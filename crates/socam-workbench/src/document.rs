@@ -10,6 +10,7 @@ use crate::arrangement::{self, Arrangement};
 use crate::identification::{self, Identification};
 use crate::job::Handle;
 use crate::recording::{Read, Recording};
+use crate::session::{self, Session};
 
 /// Longest document, bytes.
 const LONGEST_DOCUMENT: u64 = 256 << 20;
@@ -29,6 +30,8 @@ pub enum Document {
     Signal(ProfileFile),
     /// Plots of the view over time.
     Layout(Box<Arrangement>),
+    /// What a window showed, with paths of this computer.
+    Session(Box<Session>),
 }
 
 /// Opens a path: a recording (also `RUN@FROM..TO`), a `.toml`, a `.json`, or the folder of a diagnosis' report.
@@ -100,6 +103,11 @@ pub fn parse(name: &str, text: &str) -> Result<Document, String> {
             }
             arrangement::SCHEMA => {
                 Ok(Document::Layout(Box::new(serde_json::from_value(value).map_err(broken)?)))
+            }
+            session::SCHEMA => {
+                let session: Session = serde_json::from_value(value).map_err(broken)?;
+                let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+                Ok(Document::Session(Box::new(session.resolved(folder))))
             }
             "" => Err(foreign("its JSON has no `schema`")),
             other => Err(foreign(&format!("its schema is `{other}`"))),

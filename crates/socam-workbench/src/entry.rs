@@ -61,17 +61,13 @@ impl Entry {
 
     /// The channels of a recording that a derivation needs, with their signals; `None` while one of them is missing.
     pub(crate) fn sources(&self, derivation: &Derivation) -> Option<Vec<(Signal, Arc<Samples>, usize)>> {
-        let names = [
-            Some(&derivation.of),
-            derivation.second.as_ref().filter(|_| derivation.operation.second().is_some()),
-        ];
-        let found = |name: &String| {
-            let signal = self.signals().find(|signal| signal.name == *name)?;
+        let all: Vec<Signal> = self.signals().collect();
+        let found = |signal: Signal| {
             let (samples, channel) = self.find(&signal)?;
             let samples = samples.clone();
             Some((signal, samples, channel))
         };
-        names.into_iter().flatten().map(found).collect()
+        derivation.sources(&all)?.into_iter().map(found).collect()
     }
 }
 

@@ -5,14 +5,17 @@
 //! ([`recording::Read`]), so that everything here also runs in a browser.
 
 pub mod about;
+pub mod align;
 pub mod arrangement;
 pub mod buffer;
 pub mod computed;
 pub mod connection;
 pub mod derivation;
 pub mod derivations;
+pub mod display_units;
 pub mod document;
 pub mod entry;
+pub mod histogram;
 pub mod identification;
 pub mod input_signal;
 pub mod job;
@@ -23,6 +26,7 @@ pub mod queue;
 pub mod recording;
 pub mod run;
 pub mod save;
+pub mod session;
 pub mod setup;
 pub mod signal;
 pub mod view;

@@ -21,6 +21,8 @@ pub enum Purpose {
     SavePlots,
     /// The picture of a plot.
     SavePicture,
+    /// What the window shows.
+    SaveSession,
 }
 
 /// Files of other programs that can be opened.
@@ -48,6 +50,7 @@ impl Purpose {
             Self::SaveReport => "Save the report (a new folder)",
             Self::SavePlots => "Save the arrangement of plots (.json)",
             Self::SavePicture => "Save the picture (.png)",
+            Self::SaveSession => "Save the session (.json)",
         }
     }
 
@@ -63,7 +66,7 @@ impl Purpose {
             Self::Export => &[("pictures and tables", &["png", "svg", "csv"])],
             Self::SaveSignal | Self::SaveModel => &[("TOML", &["toml"])],
             Self::SaveRecording => &[("recordings", &["csv", "m"])],
-            Self::SaveJson | Self::SavePlots => &[("JSON", &["json"])],
+            Self::SaveJson | Self::SavePlots | Self::SaveSession => &[("JSON", &["json"])],
             Self::SavePicture => &[("PNG", &["png"])],
             Self::SaveReport => &[],
         }

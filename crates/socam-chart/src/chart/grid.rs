@@ -39,7 +39,7 @@ impl Chart {
         let apart = self.numbers_apart();
         let stack = self.stack.unwrap_or_else(|| ui.scope_id());
         let axis_width = shared_width(ui, stack, self.width_of_numbers(ui, y));
-        let has_room = self.backdrop.is_some() || self.leaves_room;
+        let has_room = self.backdrop.is_some() || self.right.is_some() || self.leaves_room;
         let width = self.size.x - if has_room { colours::ROOM } else { 0.0 };
         let [x_axis, y_axis] = self.axes([width, axis_width]);
         let spacer = |side: usize| move |input: GridInput| lines(input, scales[side], apart[side]);
@@ -82,23 +82,24 @@ impl Chart {
         let mut order: Vec<usize> = (0..self.curves.len()).collect();
         order.sort_by_key(|number| self.lit == Some(*number));
         for number in order {
-            let curve = &self.curves[number];
+            let curve = self.placed(number);
             let opacity = match self.lit {
                 Some(lit) if lit == number => 1.0,
                 Some(_) => DIMMED.min(self.opacity),
                 None => self.opacity,
             };
             let colour = if opacity < 1.0 { curve.colour.gamma_multiply(opacity) } else { curve.colour };
+            let line = curve.clone();
             plot.add(Layer::new(move |ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>| {
-                marks::line(ui, transform, scales, (curve, colour), shapes);
+                marks::line(ui, transform, scales, (&line, colour), shapes);
             }));
-            if let Some(points) = marks::dots(curve, scales) {
+            if let Some(points) = marks::dots(&curve, scales) {
                 plot.points(points.color(colour));
             }
             if let Style::Marked(shape) = curve.style {
                 let every = MARKERS_APART * per_point;
                 let first = x[0] + every * (0.2 + 0.13 * number as f64).fract();
-                plot.points(marks::markers(curve, shape, [first, every], scales).color(colour));
+                plot.points(marks::markers(&curve, shape, [first, every], scales).color(colour));
             }
         }
     }

@@ -92,11 +92,11 @@ pub(super) fn show(
             None => nearest(curve, x, NEAR * per_point),
         };
         if let Reading::At([x, y]) = reading {
-            let point = PlotPoint::new(scaled(x, log_x), scaled(y, log_y));
+            let point = PlotPoint::new(scaled(x, log_x), scaled(chart.on_left(number, y), log_y));
             let at = transform.position_from_point(&point);
             painter.circle(at, 3.5, curve.colour, Stroke::new(1.5, ui.visuals().extreme_bg_color));
         }
-        lines.push(Line { colour: Some(curve.colour), text: text(reading, curve, chart) });
+        lines.push(Line { colour: Some(curve.colour), text: text(reading, (number, curve), chart) });
     }
     lines.extend(pointer.and_then(|at| of_field(chart, transform, at)));
     readout(ui, painter, frame, (&lines, pointer), across);
@@ -147,8 +147,9 @@ fn position_text(x: f64, chart: &Chart, log: bool, per_point: f64) -> String {
     format!("{number} {}", unit(&chart.x_label)).trim_end().to_owned()
 }
 
-fn text(reading: Reading, curve: &Curve, chart: &Chart) -> String {
-    let unit = unit(&chart.title);
+fn text(reading: Reading, (number, curve): (usize, &Curve), chart: &Chart) -> String {
+    let label = chart.right.as_ref().filter(|right| number >= right.first).map(|right| &right.label);
+    let unit = unit(label.unwrap_or(&chart.title));
     let value = match reading {
         Reading::At([_, y]) => format!("{} {unit}", value_text(y)),
         Reading::Between(_, [low, high]) => format!("{} .. {} {unit}", value_text(low), value_text(high)),

@@ -38,6 +38,7 @@ impl Dashboard {
             Command::Open => self.ask(ctx, Purpose::Open, ""),
             Command::SaveSignal => self.ask(ctx, Purpose::SaveSignal, "signal.toml"),
             Command::SaveRecording => self.ask_to_save_recording(ctx),
+            Command::SaveSession => self.ask(ctx, Purpose::SaveSession, "bench.session.json"),
             Command::Simulate => self.simulate(ctx),
             Command::ExportPng => self.ask(ctx, Purpose::Export, "view.png"),
             Command::ExportSvg => self.ask(ctx, Purpose::Export, "view.svg"),

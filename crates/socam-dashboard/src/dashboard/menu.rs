@@ -60,7 +60,7 @@ impl Dashboard {
         if !self.layout.recent.is_empty() {
             ui.menu_button("Open recent", |ui| self.recent_menu(ui));
         }
-        self.items(ui, &[Command::SaveSignal, Command::SaveRecording]);
+        self.items(ui, &[Command::SaveSignal, Command::SaveRecording, Command::SaveSession]);
         if self.simulate.is_some() {
             self.items(ui, &[Command::Simulate]);
         }

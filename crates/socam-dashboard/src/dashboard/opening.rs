@@ -44,8 +44,8 @@ impl Dashboard {
             self.opening.remove(0);
             match result.unwrap_or_else(|sentence| Err((sentence, None))) {
                 Ok((found, path)) => {
-                    path.into_iter().for_each(|path| self.layout.remember(&path));
-                    self.show_found(found);
+                    path.iter().for_each(|path| self.layout.remember(path));
+                    self.show_found(found, path.as_deref());
                 }
                 Err((sentence, _)) if sentence == CANCELLED => {}
                 Err((text, _)) => self.notify(Notice { text, grave: true }),
@@ -63,6 +63,7 @@ impl Dashboard {
                 files.iter().for_each(|path| self.put(path, Ok(text.clone().into_bytes())));
             }
             Purpose::SaveRecording => files.iter().for_each(|path| self.save_recording(ctx, path)),
+            Purpose::SaveSession => files.iter().for_each(|path| self.save_session(path)),
             Purpose::SaveModel
             | Purpose::SaveJson
             | Purpose::SaveReport
@@ -70,6 +71,7 @@ impl Dashboard {
             | Purpose::SavePicture => {
                 if let Some((path, content)) = files.first().zip(self.content.take()) {
                     self.save_content(path, content);
+                    self.note_saved(purpose, path);
                 }
             }
         }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use egui::{Context, Ui};
 use socam_workbench::View;
-use socam_workbench::document;
+use socam_workbench::document::{self, Document};
 use socam_workbench::entry::Entry;
 use socam_workbench::job::{Handle, Job};
 use socam_workbench::purpose::Purpose;
@@ -68,9 +68,10 @@ impl Dashboard {
 
     /// Begins what waits for all files to be open.
     pub(crate) fn begin(&mut self, ctx: &Context) {
-        if !self.opening.is_empty() {
+        if !self.opening.is_empty() || !self.own.waiting.is_empty() {
             return;
         }
+        self.end_session();
         if !self.workspace.entries.is_empty()
             && let Some(held_out) = self.own.diagnose.take()
         {
@@ -89,10 +90,21 @@ impl Dashboard {
         }
     }
 
-    /// Shows what was opened.
-    pub(crate) fn show_found(&mut self, found: Found) {
+    /// Shows what was opened, from a file.
+    pub(crate) fn show_found(&mut self, found: Found, path: Option<&str>) {
         match found {
-            Found::Document(document) => self.show(*document),
+            Found::Document(document) => {
+                let (is_fit, is_diagnosis) = (
+                    matches!(*document, Document::Identification(_)),
+                    matches!(*document, Document::Diagnosis(..)),
+                );
+                self.show(*document);
+                match path {
+                    Some(path) if is_fit => self.identification_is_in(path),
+                    Some(path) if is_diagnosis => self.diagnosis_is_in(path),
+                    _ => {}
+                }
+            }
             Found::Fleet(opened) => self.show_fleet(*opened),
         }
     }

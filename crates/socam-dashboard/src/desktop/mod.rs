@@ -14,6 +14,7 @@ pub mod live;
 mod native;
 mod own;
 mod responding;
+mod session;
 mod views;
 pub mod watch;
 

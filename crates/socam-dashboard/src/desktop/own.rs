@@ -7,11 +7,13 @@ use socam_workbench::document::Document;
 use socam_workbench::job::Handle;
 use socam_workbench::recording::Recording;
 use socam_workbench::save;
+use socam_workbench::session::Session;
 
 use super::columns::Pane;
 use super::files::Dialog;
 use super::fleet::Opened;
 use super::native::Native;
+use super::session::Results;
 
 /// Content of a file that can be opened.
 #[derive(Debug)]
@@ -52,6 +54,10 @@ pub(crate) struct Own {
     pub(super) first_view: Option<View>,
     /// Whether a watch begins once all files are open.
     pub(super) watches: bool,
+    /// The session whose files are being opened.
+    pub(super) session: Option<Session>,
+    /// Files of the results that are shown.
+    pub(super) results: Results,
 }
 
 /// Writes a recording as `.csv` or `.m`, by the ending of the file's name.

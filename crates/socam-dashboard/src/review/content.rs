@@ -5,6 +5,7 @@ use egui::{Color32, Ui};
 use socam_chart::chart::{Chart, Curve, Flag, MarkerShape, Style};
 use socam_chart::theme;
 use socam_samples::envelope;
+use socam_workbench::display_units::{DisplayUnits, ShownIn};
 use socam_workbench::entry::Entry;
 use socam_workbench::recording::short;
 use socam_workbench::signal::Signal;
@@ -21,12 +22,29 @@ const MARKERS: [(MarkerShape, &str); 4] = [
 
 /// Range and size for which curves are made.
 #[derive(Clone, Copy)]
-pub(super) struct Frame {
+pub(super) struct Frame<'a> {
     /// The time axis, s.
     pub(super) x: [f64; 2],
     pub(super) pixels: usize,
     /// Number of the recording that is highlighted.
     pub(super) lit: Option<usize>,
+    pub(super) units: &'a DisplayUnits,
+    /// Whether the plot has several channels, so that curves are named by them.
+    pub(super) is_shared: bool,
+    /// Number of channels of the plot before those of which curves are made.
+    pub(super) first: usize,
+}
+
+/// The channels of a plot with those of the left axis first, and the number of these.
+pub(super) fn by_axis(signals: &[Signal]) -> (Vec<Signal>, usize) {
+    let is_left = |signal: &&Signal| signals.first().is_some_and(|first| first.unit == signal.unit);
+    let (left, right): (Vec<&Signal>, Vec<&Signal>) = signals.iter().partition(is_left);
+    (left.iter().chain(&right).map(|signal| (*signal).clone()).collect(), left.len())
+}
+
+/// The unit of a plot's axis: that of its first channel.
+pub(super) fn axis(signals: &[Signal], units: &DisplayUnits) -> ShownIn {
+    signals.first().map_or_else(|| ShownIn { unit: String::new(), per_si: 1.0 }, |first| units.of(first))
 }
 
 /// The recordings that are shown and have a channel, the highlighted one last, on top of the others.
@@ -53,24 +71,26 @@ pub(super) fn colour(ui: &Ui, entry: &Entry, lit: Option<usize>, curves: usize) 
     }
 }
 
-pub(super) fn curves(ui: &Ui, entries: &[Entry], signals: &[Signal], frame: Frame) -> Vec<Curve> {
+pub(super) fn curves(ui: &Ui, entries: &[Entry], signals: &[Signal], frame: Frame<'_>) -> Vec<Curve> {
     let mut curves = Vec::new();
+    let per_si = axis(signals, frame.units).per_si;
     for (place, signal) in signals.iter().enumerate() {
+        let place = place + frame.first;
         let having = having(entries, signal, frame.lit);
         for (entry, samples, channel) in &having {
             let shift = entry.shift_s;
             let mut line = envelope(samples, *channel, frame.x[0] - shift, frame.x[1] - shift, frame.pixels);
-            line.parts.iter_mut().flatten().for_each(|point| point[0] += shift);
+            line.parts.iter_mut().flatten().for_each(|point| *point = [point[0] + shift, per_si * point[1]]);
             let style = match (place, theme::style(entry.number)) {
                 (0, Style::Solid) if line.sparse => Style::Dotted,
                 (0, style) => style,
                 _ => Style::Marked(MARKERS[(place - 1) % MARKERS.len()].0),
             };
             let full_name = &entry.recording.about.name;
-            let name = if signals.len() == 1 {
-                full_name.clone()
-            } else {
+            let name = if frame.is_shared {
                 format!("{} of {}", signal.name, short(full_name))
+            } else {
+                full_name.clone()
             };
             let colour = tinted(ui, colour(ui, entry, frame.lit, having.len()), place);
             curves.push(Curve { name, colour, parts: line.parts, style });
@@ -83,14 +103,15 @@ pub(super) fn curves(ui: &Ui, entries: &[Entry], signals: &[Signal], frame: Fram
 pub(super) fn readings(
     entries: &[Entry],
     signals: &[Signal],
-    lit: Option<usize>,
+    frame: Frame<'_>,
     at: f64,
 ) -> Vec<Option<[f64; 2]>> {
     let mut readings = Vec::new();
+    let per_si = axis(signals, frame.units).per_si;
     for signal in signals {
-        readings.extend(having(entries, signal, lit).into_iter().map(|(entry, samples, channel)| {
+        readings.extend(having(entries, signal, frame.lit).into_iter().map(|(entry, samples, channel)| {
             let nearest = samples.value_at(channel, at - entry.shift_s);
-            nearest.map(|[time, value]| [time + entry.shift_s, value])
+            nearest.map(|[time, value]| [time + entry.shift_s, per_si * value])
         }));
     }
     readings
@@ -103,15 +124,25 @@ fn tinted(ui: &Ui, colour: Color32, place: usize) -> Color32 {
     colour.lerp_to_gamma(ink, share)
 }
 
-/// Names of the channels of a plot, with their markers, and their unit.
-pub(super) fn title(signals: &[Signal], shown: &[Signal]) -> String {
+/// Names of the channels of a plot, ordered [`by_axis`], with their markers, and the unit of the left axis.
+pub(super) fn title(signals: &[Signal], shown: &[Signal], units: &DisplayUnits) -> String {
+    let left = signals.first().map_or("", |first| first.unit.as_str());
     let visible = || signals.iter().enumerate().filter(|(_, signal)| shown.contains(signal));
-    let names = visible().map(|(place, signal)| match place.checked_sub(1) {
-        None => signal.name.clone(),
-        Some(later) => format!("{} ({})", signal.name, MARKERS[later % MARKERS.len()].1),
+    let names = visible().map(|(place, signal)| {
+        let side = if signal.unit == left { "" } else { ", right axis" };
+        match place.checked_sub(1) {
+            None => signal.name.clone(),
+            Some(later) => format!("{} ({}{side})", signal.name, MARKERS[later % MARKERS.len()].1),
+        }
     });
-    let unit = signals.first().map_or("", |signal| signal.unit.as_str());
+    let unit = axis(signals, units).unit;
     format!("{}, {unit}", names.collect::<Vec<_>>().join(" and "))
+}
+
+/// Names of channels and the unit in which they are shown.
+pub(super) fn label(signals: &[Signal], shown: &[Signal], units: &DisplayUnits) -> String {
+    let names = signals.iter().filter(|signal| shown.contains(signal)).map(|signal| signal.name.as_str());
+    format!("{}, {}", names.collect::<Vec<_>>().join(" and "), axis(signals, units).unit)
 }
 
 /// Shades the gaps between segments of a recording.

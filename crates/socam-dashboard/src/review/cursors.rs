@@ -25,11 +25,16 @@ pub(super) fn panel(review: &Review, ui: &mut Ui, entries: &[Entry], signals: &[
     let panel = egui::Panel::bottom("cursors").default_size(176.0).resizable(true).size_range(60.0..=420.0);
     panel.show(ui, |ui| {
         let [a, b] = cursors;
-        let rows = rows(&review.plots.drawn(signals), entries, |samples, channel, shift_s| {
-            let at = |time: f64| samples.value_at(channel, time - shift_s).map(|[_, value]| value);
-            let (at_a, at_b) = (at(a), at(b));
-            [at_a, at_b, at_a.zip(at_b).map(|(a, b)| b - a)]
-        });
+        let rows = rows(
+            &review.plots.drawn(signals),
+            (entries, &review.units),
+            |samples, channel, shift_s, per_si| {
+                let at =
+                    |time: f64| samples.value_at(channel, time - shift_s).map(|[_, value]| per_si * value);
+                let (at_a, at_b) = (at(a), at(b));
+                [at_a, at_b, at_a.zip(at_b).map(|(a, b)| b - a)]
+            },
+        );
         ui.horizontal(|ui| {
             ui.label(RichText::new(title(cursors)).strong());
             let lines =

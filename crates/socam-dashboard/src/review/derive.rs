@@ -1,5 +1,7 @@
 //! The window in which a channel is derived.
 
+mod formula;
+
 use egui::{Button, ComboBox, DragValue, RichText, Ui, Window};
 
 use crate::layout;
@@ -15,12 +17,13 @@ pub(in crate::review) struct Form {
     second: String,
     corner_hz: Option<f64>,
     window_s: Option<f64>,
+    written: formula::Written,
 }
 
 impl Form {
     /// A form for a channel.
     pub(in crate::review) fn of(name: &str, operation: Operation) -> Self {
-        Self { operation, of: name.to_owned(), ..Self::default() }
+        Self { operation, of: name.to_owned(), written: formula::Written::of(name), ..Self::default() }
     }
 
     /// Draws it. Returns the channel to be added, and whether the window stays open.
@@ -65,8 +68,10 @@ impl Form {
         }
         egui::Grid::new("derived channel").num_columns(2).show(ui, |ui| {
             let label = ui.label("operation");
-            let chosen =
-                ComboBox::from_id_salt("operation").width(260.0).selected_text(self.operation.name());
+            let chosen = ComboBox::from_id_salt("operation")
+                .width(260.0)
+                .height(300.0)
+                .selected_text(self.operation.name());
             let chosen = chosen.show_ui(ui, |ui| {
                 for operation in Operation::ALL {
                     ui.selectable_value(&mut self.operation, operation, operation.name())
@@ -75,6 +80,9 @@ impl Form {
             });
             chosen.response.labelled_by(label.id);
             ui.end_row();
+            if self.operation == Operation::Formula {
+                return;
+            }
             choose(ui, "of channel", &mut self.of, &names);
             if let Some(word) = self.operation.second() {
                 choose(ui, word, &mut self.second, &names);
@@ -92,27 +100,44 @@ impl Form {
                 ui.end_row();
             }
         });
+        if self.operation == Operation::Formula {
+            self.written.fields(ui, signals);
+        }
         ui.add(
             egui::Label::new(RichText::new(self.operation.sentence()).small().color(theme::weak(ui))).wrap(),
         );
     }
 
     fn derivation(&self) -> Derivation {
+        if self.operation == Operation::Formula {
+            let (of, text) = (self.written.name.trim().to_owned(), self.written.text.trim().to_owned());
+            return Derivation {
+                operation: self.operation,
+                of,
+                formula: Some(text),
+                ..Derivation::default()
+            };
+        }
         let value = match self.operation.value() {
             Some((_, "Hz")) => self.corner_hz,
             Some(_) => self.window_s,
             None => None,
         };
         let second = self.operation.second().map(|_| self.second.clone());
-        Derivation { operation: self.operation, of: self.of.clone(), second, value }
+        Derivation { operation: self.operation, of: self.of.clone(), second, value, ..Derivation::default() }
     }
 
     /// The unit of the result with the channels that are there.
     fn unit(&self, derivation: &Derivation, signals: &[Signal]) -> Result<String, String> {
-        let of = |name: &str| signals.iter().find(|signal| signal.name == name);
-        let first = of(&self.of).ok_or("choose a channel")?;
-        let second = derivation.second.as_deref().and_then(of).map(|signal| signal.unit.as_str());
-        derivation.unit(&first.unit, second)
+        if self.operation != Operation::Formula {
+            return derivation.unit(&derivation.sources(signals).ok_or("choose a channel")?);
+        }
+        let unit = derivation.unit(signals)?;
+        let name = derivation.name();
+        if signals.iter().any(|signal| signal.name == name) {
+            return Err(format!("a channel is called {name} already; write another name"));
+        }
+        Ok(unit)
     }
 }
 

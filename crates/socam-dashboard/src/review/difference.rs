@@ -22,9 +22,10 @@ pub(super) fn curves(
     entries: &[Entry],
     reference: usize,
     signals: &[Signal],
-    frame: Frame,
+    frame: Frame<'_>,
 ) -> Vec<Curve> {
     let other = &entries[reference];
+    let per_si = content::axis(signals, frame.units).per_si;
     let mut curves = Vec::new();
     for signal in signals {
         let Some((other_samples, other_channel)) = other.find(signal) else { continue };
@@ -37,7 +38,7 @@ pub(super) fn curves(
             let times = samples.times(from..to);
             let reference = at_times(other_samples, other_channel, times.iter().map(|time| time + later));
             let values = samples.values(channel, from..to);
-            let differences = values.iter().zip(reference).map(|(value, other)| value - other);
+            let differences = values.iter().zip(reference).map(|(value, other)| per_si * (value - other));
             let points: Vec<[f64; 2]> =
                 times.iter().zip(differences).map(|(time, value)| [time + entry.shift_s, value]).collect();
             let parts = thinned(&points, frame.pixels);

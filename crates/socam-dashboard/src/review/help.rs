@@ -10,7 +10,7 @@ pub(super) const HELP: Help = &[
     ("Fit all; Home; double click", "shows everything; arrows pan and zoom"),
     (
         "Ctrl+Z; Ctrl+Y",
-        "undoes and redoes changes of what is shown: zoom, plots, hidden channels and recordings; opens a recording again that was closed",
+        "undoes and redoes changes of what is shown: zoom, plots, units, shifts, hidden channels and recordings; opens a recording again that was closed",
     ),
     (
         "Cursors A, B; C; click",
@@ -20,7 +20,7 @@ pub(super) const HELP: Help = &[
     ("Events", "shows or hides the marks of notes, stops, faults and parts of the profile"),
     (
         "Add",
-        "XY plot (X), spectrogram (G), table of statistics (T): of what is visible or between the cursors; a channel derived from others (D): derivative, integral, difference, ratio, product, filters",
+        "XY plot (X), spectrogram (G), histogram (H) and table of all values (V) of the range in sight, table of statistics (T): of what is visible or between the cursors; a channel derived from others (D): a formula, derivative, integral, difference, ratio, product, filters",
     ),
     (
         "Layout",
@@ -34,7 +34,7 @@ pub(super) const HELP: Help = &[
     ("Search; Ctrl+F", "filters recordings and channels by parts of their names"),
     (
         "a channel, dragged",
-        "into a plot of the same unit joins it; to an edge of a plot makes a new one there",
+        "into a plot joins it, with an axis of its own at the right where its unit is another one, at most two units in a plot; to an edge of a plot makes a new one there",
     ),
     (
         "Move ...; Close the plot ...",
@@ -44,11 +44,31 @@ pub(super) const HELP: Help = &[
         "operation; of channel; minus; over; times; corner; window; Add channel",
         "the dialog in which a channel is derived",
     ),
+    (
+        "name; formula; Insert ...",
+        "a formula over channels in SI, such as torque_out*output_speed/(torque_in*motor_speed); its unit, or what is wrong, is said below it; a click on a channel completes the name that is being written",
+    ),
+    (
+        "Units",
+        "units in which speeds, angles and so on are shown, such as rpm; data, files and formulas stay in SI; the menu of a channel sets its own",
+    ),
+    (
+        "histogram of",
+        "the channel of a histogram; the share of the samples in sight in each bin, per recording",
+    ),
+    (
+        "recording; Copy rows",
+        "the recording of a table of values; copies its rows in sight, separated by tabs",
+    ),
     ("Remove ...", "forgets a derived channel"),
     ("Clear search", "shows all recordings and channels in the list"),
     ("vertical axis; horizontal axis; spectrogram of", "the channels of an XY plot or of a spectrogram"),
     ("Copy table", "copies the values, separated by tabs"),
     ("shift of ...", "draws a recording so much later or earlier, to lay it over another"),
+    (
+        "Align",
+        "in the menu of a recording: finds the shift that lays it over the reference of Difference to, else over the first other recording, by the correlation of a channel that is drawn; refused where the correlation has no clear maximum",
+    ),
     ("Difference to", "draws every other recording minus this one"),
     ("shaded; vertical lines", "gaps, and events of the recording"),
 ];

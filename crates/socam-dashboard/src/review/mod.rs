@@ -1,10 +1,12 @@
 //! Recordings over time: plots in tiles, all with the same time axis, and two cursors.
 
+mod align;
 mod content;
 mod cursors;
 mod derive;
 mod difference;
 mod help;
+mod histogram;
 mod keys;
 mod list;
 mod over_time;
@@ -15,6 +17,8 @@ mod spectrogram;
 mod start;
 mod statistics;
 mod toolbar;
+mod units;
+mod values;
 mod views;
 mod xy;
 
@@ -30,6 +34,7 @@ use socam_chart::chart::{self, Chart, Seen, Shown, hover::Linked, range_of, with
 use socam_workbench::arrangement::{Arrangement, Plot};
 use socam_workbench::derivation::{Derivation, Operation};
 use socam_workbench::derivations::Derivations;
+use socam_workbench::display_units::DisplayUnits;
 use socam_workbench::entry::{Entry, signals};
 use socam_workbench::signal::Signal;
 use socam_workbench::{Request, Workspace};
@@ -44,6 +49,8 @@ pub struct Review {
     y: Vec<(String, [f64; 2])>,
     plots: Plots,
     derivations: Derivations,
+    /// Units in which channels are shown.
+    units: DisplayUnits,
     /// The dialog in which a channel is derived.
     form: Option<Form>,
     /// Whether the marks of events are hidden.
@@ -65,6 +72,11 @@ pub struct Review {
     /// States of XY plots and spectrograms, by their tiles.
     xy: BTreeMap<u64, xy::Xy>,
     spectrograms: BTreeMap<u64, spectrogram::Spectrogram>,
+    histograms: BTreeMap<u64, histogram::Counted>,
+    /// Numbers of the recordings that tables of values show, by their tiles.
+    tables: BTreeMap<u64, usize>,
+    /// The recording that is being laid over another one.
+    aligning: Option<align::Aligning>,
     /// Position of the pointer on the time axis.
     linked: Linked,
     views: Views,
@@ -82,7 +94,7 @@ struct Drawing<'a> {
     seen: &'a mut Vec<Seen>,
     /// Requests to the window.
     requests: Vec<Request>,
-    /// Horizontal extents of spectrograms: plots over time above and below leave the room of their colour bars.
+    /// Horizontal extents of spectrograms and of plots with two axes: plots over time above and below leave the room of their colour bars.
     bars: Vec<egui::Rangef>,
     /// Horizontal extents of the plots over time.
     columns: Vec<egui::Rangef>,
@@ -122,14 +134,19 @@ impl ViewPanel for Review {
         if let Some(problem) = self.derivations.poll(&wake(ctx), &mut workspace.entries) {
             workspace.request(Request::Warn(problem));
         }
+        let aligned = self.take_alignment(&mut workspace.entries);
+        aligned.into_iter().for_each(|request| workspace.request(request));
         self.xy.values_mut().for_each(xy::Xy::poll);
         self.spectrograms.values_mut().for_each(spectrogram::Spectrogram::poll);
+        self.histograms.values_mut().for_each(histogram::Counted::poll);
     }
 
     fn is_busy(&self) -> bool {
         self.derivations.is_busy()
+            || self.aligning.is_some()
             || self.xy.values().any(xy::Xy::is_busy)
             || self.spectrograms.values().any(spectrogram::Spectrogram::is_busy)
+            || self.histograms.values().any(histogram::Counted::is_busy)
     }
 
     fn has_history(&self) -> bool {
@@ -159,13 +176,14 @@ impl Review {
     /// The plots, hidden and derived channels.
     #[must_use]
     pub fn arrangement(&self) -> Arrangement {
-        self.plots.arrangement(&self.derivations.all)
+        Arrangement { units: self.units.clone(), ..self.plots.arrangement(&self.derivations.all) }
     }
 
     /// Shows the plots of a layout.
     pub fn arrange(&mut self, arrangement: &Arrangement) {
         self.plots = Plots::of(arrangement);
         self.derivations.all.clone_from(&arrangement.derived);
+        self.units.clone_from(&arrangement.units);
     }
 
     /// Derives a channel.
@@ -176,6 +194,11 @@ impl Review {
     /// Opens the dialog in which a channel is derived.
     pub fn ask_for_channel(&mut self, of: &str) {
         self.form = Some(Form::of(of, Operation::default()));
+    }
+
+    /// Opens the dialog with a formula.
+    pub fn ask_for_formula(&mut self, text: &str) {
+        self.form = Some(Form::of(text, Operation::Formula));
     }
 
     /// Adds a plot below the others.

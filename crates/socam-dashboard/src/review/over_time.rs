@@ -4,7 +4,7 @@ use egui::{Rect, Ui};
 
 use super::content::{self, Frame};
 use super::{Drawing, Review, difference};
-use socam_chart::chart::{Chart, Flag, Shown, range_of};
+use socam_chart::chart::{Chart, Curve, Flag, Right, Shown, range_of};
 use socam_workbench::arrangement::Plot;
 use socam_workbench::recording::short;
 use socam_workbench::signal::Signal;
@@ -19,13 +19,17 @@ impl Review {
         (rect, has_axis): (Rect, bool),
     ) {
         let chart = self.chart_over_time(ui, drawing, signals, (rect, has_axis));
+        let before = (chart.y, chart.right.clone());
         let shown = drawing.show(ui, chart);
         self.linked.take(&shown);
         self.take_x(&shown);
         if shown.y_moved && !shown.response.double_clicked() {
-            let title = Plot::Time(signals.to_vec()).title();
-            self.y.retain(|(name, _)| *name != title);
-            self.y.push((title, shown.y));
+            let title = self.plot_name(signals);
+            let right = before.1.map(|right| (of_right(&title), right.moved(before.0, shown.y)));
+            for (name, y) in std::iter::once((title, shown.y)).chain(right) {
+                self.y.retain(|(known, _)| *known != name);
+                self.y.push((name, y));
+            }
         }
     }
 
@@ -46,6 +50,17 @@ impl Review {
         }
     }
 
+    /// Name by which a plot's vertical axis is kept: it is another one in another unit.
+    fn plot_name(&self, signals: &[Signal]) -> String {
+        let title = Plot::Time(signals.to_vec()).title();
+        let unit = content::axis(signals, &self.units).unit;
+        if signals.first().is_some_and(|first| first.unit != unit) {
+            format!("{title}, {unit}")
+        } else {
+            title
+        }
+    }
+
     /// Curves, or differences to the reference, with gaps, events and cursors.
     fn chart_over_time(
         &self,
@@ -55,37 +70,66 @@ impl Review {
         (rect, has_axis): (Rect, bool),
     ) -> Chart {
         let (x, entries) = (drawing.x, drawing.entries);
-        let plot = Plot::Time(signals.to_vec()).title();
-        let mut chart = Chart::new(("review", &plot), content::title(signals, drawing.signals), rect.size());
+        let plot = self.plot_name(signals);
+        let (signals, left) = content::by_axis(signals);
+        let sides = [&signals[..left], &signals[left..]];
+        let signals = &signals[..];
+        let title = content::title(signals, drawing.signals, &self.units);
+        let mut chart = Chart::new(("review", &plot), title, rect.size());
         chart.when_empty = "no value here";
         (chart.stack, chart.leaves_room) = (Some(super::stack()), drawing.leaves_room(rect));
         chart.x = x;
         if has_axis {
             chart.x_label = "time, s".into();
         }
-        let frame = Frame { x, pixels: rect.width() as usize, lit: self.lit };
+        let frame = Frame {
+            x,
+            pixels: rect.width() as usize,
+            lit: self.lit,
+            units: &self.units,
+            is_shared: signals.len() > 1,
+            first: 0,
+        };
+        let frames = [frame, Frame { first: left, ..frame }];
+        let mut first = 0;
         match self.reference.filter(|reference| *reference < entries.len()) {
             Some(reference) => {
                 let name = short(&entries[reference].recording.about.name);
                 let (what, unit) = chart.title.rsplit_once(", ").unwrap_or((&chart.title, ""));
                 chart.title = format!("{what} minus {name}, {unit}");
-                chart.curves = difference::curves(ui, entries, reference, signals, frame);
+                for (side, frame) in sides.into_iter().zip(frames) {
+                    first = chart.curves.len();
+                    chart.curves.extend(difference::curves(ui, entries, reference, side, frame));
+                }
                 if chart.curves.is_empty() {
                     chart.when_empty = difference::WHY_NONE;
                 }
             }
             None => {
-                chart.curves = content::curves(ui, entries, signals, frame);
+                for (side, frame) in sides.into_iter().zip(frames) {
+                    first = chart.curves.len();
+                    chart.curves.extend(content::curves(ui, entries, side, frame));
+                }
                 content::missing(ui, entries, signals, self.lit, &mut chart);
                 if let Some(at) = self.linked.at() {
-                    chart.readings = content::readings(entries, signals, self.lit, at);
+                    let of_side = |(side, frame)| content::readings(entries, side, frame, at);
+                    chart.readings = sides.into_iter().zip(frames).flat_map(of_side).collect();
                 }
             }
         }
         chart.hover = self.linked.at();
-        let values = chart.curves.iter().flat_map(|curve| curve.parts.iter().flatten().map(|point| point[1]));
-        let set_by_user = self.y.iter().find(|(name, _)| *name == plot).map(|(_, y)| *y);
-        chart.y = set_by_user.unwrap_or_else(|| chart.fitted(range_of(values)));
+        let fitted = |curves: &[Curve]| {
+            let values = curves.iter().flat_map(|curve| curve.parts.iter().flatten().map(|point| point[1]));
+            chart.fitted(range_of(values))
+        };
+        let set = |name: &str| self.y.iter().find(|(known, _)| known == name).map(|(_, y)| *y);
+        let y = set(&plot).unwrap_or_else(|| fitted(&chart.curves[..first]));
+        if left < signals.len() {
+            let y = set(&of_right(&plot)).unwrap_or_else(|| fitted(&chart.curves[first..]));
+            chart.right =
+                Some(Right { label: content::label(sides[1], drawing.signals, &self.units), first, y });
+        }
+        chart.y = y;
         content::gaps(ui, entries, x, rect.width(), &mut chart);
         if !self.hides_events {
             chart.flags = content::marks(ui, entries, x);
@@ -103,4 +147,9 @@ impl Review {
         chart.flags.extend(cursors.into_iter().zip(["A", "B"]).map(flag));
         chart.flags.sort_by(|a, b| a.x.total_cmp(&b.x));
     }
+}
+
+/// Name by which the right axis of a plot is kept.
+fn of_right(plot: &str) -> String {
+    format!("{plot} (right)")
 }

@@ -66,6 +66,8 @@ impl Review {
         let is_there = |tile: u64| plots.tree.tiles.get(TileId(tile)).is_some();
         self.xy.retain(|tile, _| is_there(*tile));
         self.spectrograms.retain(|tile, _| is_there(*tile));
+        self.histograms.retain(|tile, _| is_there(*tile));
+        self.tables.retain(|tile, _| is_there(*tile));
         self.linked.end(ui.ctx());
         drawing.requests.extend(problem.map(Request::Say));
         self.plots = plots;
@@ -129,6 +131,8 @@ impl Behavior<Plot> for Panes<'_, '_> {
                 self.review.spectrogram(ui, self.drawing, signal, (rect, id.0, has_axis));
             }
             Plot::Statistics => self.review.statistics(ui, self.drawing),
+            Plot::Histogram(signal) => self.review.histogram(ui, self.drawing, signal, (rect, id.0)),
+            Plot::Table => self.review.table_of_values(ui, self.drawing, id.0),
         }
         self.handles(ui, rect, (id, first), plot)
     }

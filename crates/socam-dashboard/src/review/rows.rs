@@ -6,6 +6,7 @@ use socam_chart::swatch::swatch;
 use socam_chart::table::{Column, Key};
 use socam_chart::theme;
 use socam_samples::Samples;
+use socam_workbench::display_units::DisplayUnits;
 use socam_workbench::entry::Entry;
 use socam_workbench::recording::short;
 use socam_workbench::signal::Signal;
@@ -21,21 +22,23 @@ pub(super) struct Row<const N: usize> {
     pub(super) values: [Option<f64>; N],
 }
 
-/// A row for each signal of each recording that has it; `values` takes its samples, its channel, and the delay of its times, s.
+/// A row for each signal of each recording that has it; `values` takes its samples, its channel, the delay of its times, s, and the
+/// factor from SI to the unit in which it is shown.
 pub(super) fn rows<const N: usize>(
     signals: &[Signal],
-    entries: &[Entry],
-    values: impl Fn(&Samples, usize, f64) -> [Option<f64>; N],
+    (entries, units): (&[Entry], &DisplayUnits),
+    values: impl Fn(&Samples, usize, f64, f64) -> [Option<f64>; N],
 ) -> Vec<Row<N>> {
     let mut rows = Vec::new();
     for signal in signals {
+        let shown = units.of(signal);
         for entry in entries.iter().filter(|entry| entry.shown) {
             let Some((samples, channel)) = entry.find(signal) else { continue };
             let name = short(&entry.recording.about.name).to_owned();
             rows.push(Row {
                 colour: entry.number,
-                texts: [name, signal.name.clone(), signal.unit.clone()],
-                values: values(samples, channel, entry.shift_s),
+                texts: [name, signal.name.clone(), shown.unit.clone()],
+                values: values(samples, channel, entry.shift_s, shown.per_si),
             });
         }
     }

@@ -38,9 +38,10 @@ impl Review {
             Some([a, b]) if a != b => ([a.min(b), a.max(b)], "between the cursors"),
             _ => (drawing.x, "of the visible range"),
         };
-        let rows = rows(&drawing.drawn, drawing.entries, |samples, channel, shift_s| {
-            statistics(samples, channel, range.map(|time| time - shift_s))
-        });
+        let rows =
+            rows(&drawing.drawn, (drawing.entries, &self.units), |samples, channel, shift_s, per_si| {
+                statistics((samples, channel), range.map(|time| time - shift_s), per_si)
+            });
         ui.horizontal(|ui| {
             ui.label(RichText::new("Statistics").strong());
             let text = format!("{what}, {:.6} s .. {:.6} s", range[0], range[1]);
@@ -65,11 +66,11 @@ impl Review {
     }
 }
 
-fn statistics(samples: &Samples, channel: usize, range: [f64; 2]) -> [Option<f64>; 7] {
+fn statistics((samples, channel): (&Samples, usize), range: [f64; 2], per_si: f64) -> [Option<f64>; 7] {
     let stats = stats(samples, channel, range);
-    let of = |take: fn(&Stats) -> f64| stats.as_ref().map(take);
+    let of = |take: fn(&Stats) -> f64| stats.as_ref().map(|stats| per_si * take(stats));
     [
-        of(|stats| stats.count as f64),
+        stats.as_ref().map(|stats| stats.count as f64),
         of(|stats| stats.mean),
         of(|stats| stats.std),
         of(|stats| stats.rms),

@@ -16,6 +16,8 @@ pub(super) enum Action {
     Xy,
     Spectrogram,
     Statistics,
+    Histogram,
+    Table,
     Derive,
     Even,
     Usual,
@@ -23,14 +25,28 @@ pub(super) enum Action {
 }
 
 impl Action {
-    pub(super) const ALL: [Self; 7] =
-        [Self::Xy, Self::Spectrogram, Self::Statistics, Self::Derive, Self::Even, Self::Usual, Self::Save];
+    pub(super) const ALL: [Self; 9] = [
+        Self::Xy,
+        Self::Spectrogram,
+        Self::Statistics,
+        Self::Histogram,
+        Self::Table,
+        Self::Derive,
+        Self::Even,
+        Self::Usual,
+        Self::Save,
+    ];
+    /// Those of the menu Add.
+    const ADDED: [Self; 6] =
+        [Self::Xy, Self::Spectrogram, Self::Statistics, Self::Histogram, Self::Table, Self::Derive];
 
     fn name(self) -> &'static str {
         match self {
             Self::Xy => "XY plot",
             Self::Spectrogram => "Spectrogram",
             Self::Statistics => "Statistics",
+            Self::Histogram => "Histogram",
+            Self::Table => "Table of values",
             Self::Derive => "Derived channel...",
             Self::Even => "Equal heights",
             Self::Usual => "One plot per channel",
@@ -45,7 +61,9 @@ impl Action {
             Self::Statistics => {
                 "A table: mean, standard deviation and so on of what is visible, or between A and B"
             }
-            Self::Derive => "Derivative, integral, difference, ratio, product, filters",
+            Self::Histogram => "How often values of a channel occur in the range in sight",
+            Self::Table => "The rows in sight of one recording, all channels",
+            Self::Derive => "Formulas with units, derivative, integral, difference, ratio, product, filters",
             Self::Even => "All plots of a column get the same height",
             Self::Usual => "Forgets the arrangement, and shows all channels",
             Self::Save => "Plots and derived channels as a file; open it like a recording (Ctrl+O)",
@@ -57,6 +75,8 @@ impl Action {
             Self::Xy => Some(Key::X),
             Self::Spectrogram => Some(Key::G),
             Self::Statistics => Some(Key::T),
+            Self::Histogram => Some(Key::H),
+            Self::Table => Some(Key::V),
             Self::Derive => Some(Key::D),
             Self::Even => Some(Key::E),
             Self::Usual | Self::Save => None,
@@ -95,8 +115,7 @@ impl Review {
                 self.hides_events = !shows;
             }
             ui.menu_button("Add", |ui| {
-                let actions = [Action::Xy, Action::Spectrogram, Action::Statistics, Action::Derive];
-                action = actions.into_iter().find_map(|own| own.item(ui)).or(action);
+                action = Action::ADDED.into_iter().find_map(|own| own.item(ui)).or(action);
             });
             ui.menu_button("Layout", |ui| {
                 let actions = [Action::Usual, Action::Even, Action::Save];
@@ -111,6 +130,7 @@ impl Review {
                     self.step(entries, Views::redo);
                 }
             });
+            super::units::menu(ui, &mut self.units, signals);
             if entries.len() > 1 {
                 ui.separator();
                 self.choose_reference(ui, entries);
@@ -169,6 +189,8 @@ impl Review {
                     None => self.add(Plot::Statistics),
                 }
             }
+            Action::Histogram => self.add(Plot::Histogram(first)),
+            Action::Table => self.add(Plot::Table),
             Action::Derive => self.ask_for_channel(&first.name),
             Action::Even => self.plots.even = true,
             Action::Usual => self.plots = Plots::default(),

@@ -14,6 +14,8 @@ pub(super) struct View {
     arrangement: Arrangement,
     /// Numbers of the recordings that are not drawn.
     hidden: Vec<usize>,
+    /// Numbers of the recordings that are shifted, and their delays, s.
+    shifts: Vec<(usize, f64)>,
     reference: Option<usize>,
 }
 
@@ -70,11 +72,13 @@ impl Review {
     /// Notes what is shown, at the end of a pass.
     pub(super) fn remember(&mut self, ui: &Ui, entries: &[Entry], signals: &[Signal]) {
         let hidden = entries.iter().filter(|entry| !entry.shown).map(|entry| entry.number);
+        let shifts = entries.iter().filter(|entry| entry.shift_s != 0.0);
         let view = View {
             x: self.x,
             y: self.y.clone(),
             arrangement: self.arrangement(),
             hidden: hidden.collect(),
+            shifts: shifts.map(|entry| (entry.number, entry.shift_s)).collect(),
             reference: self.reference,
         };
         let history = self.views.history.get_or_insert_with(|| ViewHistory::new(view.clone()));
@@ -114,6 +118,8 @@ impl Review {
         self.derivations.forget(entries);
         for entry in entries.iter_mut() {
             entry.shown = !view.hidden.contains(&entry.number);
+            let shift = view.shifts.iter().find(|(number, _)| *number == entry.number);
+            entry.shift_s = shift.map_or(0.0, |(_, shift_s)| *shift_s);
         }
         self.reference = view.reference.filter(|reference| *reference < entries.len());
     }

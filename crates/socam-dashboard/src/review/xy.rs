@@ -37,6 +37,8 @@ struct Key {
 struct Of {
     y: (Arc<Samples>, usize),
     x: (Arc<Samples>, usize),
+    /// Factors from SI to the units of the axes, horizontal and vertical.
+    per_si: [f64; 2],
     shift_s: f64,
     rows: Range<usize>,
 }
@@ -47,7 +49,7 @@ impl PartialEq for Of {
             |a: &(Arc<Samples>, usize), b: &(Arc<Samples>, usize)| Arc::ptr_eq(&a.0, &b.0) && a.1 == b.1;
         same(&self.y, &other.y)
             && same(&self.x, &other.x)
-            && self.shift_s == other.shift_s
+            && (self.shift_s, self.per_si) == (other.shift_s, other.per_si)
             && self.rows == other.rows
     }
 }
@@ -87,9 +89,12 @@ impl Review {
         let mut state = self.xy.remove(&tile).unwrap_or_default();
         let mut part = ui.new_child(UiBuilder::new().max_rect(rect.with_min_y(rect.top() + HEAD)));
         let plot = Plot::Xy { y: y.clone(), x: x.clone() };
-        let mut chart =
-            Chart::new(("xy", tile), format!("{}, {}", plot.title(), y.unit), part.max_rect().size());
-        chart.x_label = x.label();
+        let mut chart = Chart::new(
+            ("xy", tile),
+            format!("{}, {}", plot.title(), self.units.of(y).unit),
+            part.max_rect().size(),
+        );
+        chart.x_label = self.units.label(x);
         let of = self.of(drawing, y, x);
         [chart.x, chart.y] = state.ranges.unwrap_or_else(|| ranges(&chart, &of));
         chart.when_empty = "no recording that is shown has both channels here";
@@ -129,6 +134,7 @@ impl Review {
             all.push(Of {
                 y: (samples.clone(), channel),
                 x: (x_samples.clone(), x_channel),
+                per_si: [x, y].map(|signal| self.units.of(signal).per_si),
                 shift_s: entry.shift_s,
                 rows,
             });
@@ -139,10 +145,11 @@ impl Review {
 
 /// Ranges of the axes that show all dots.
 fn ranges(chart: &Chart, of: &[Of]) -> [[f64; 2]; 2] {
-    let extremes =
-        |of: &Of, (samples, channel): &(Arc<Samples>, usize)| samples.extremes(*channel, of.rows.clone());
-    let x = range_of(of.iter().filter_map(|own| extremes(own, &own.x)).flatten());
-    let y = range_of(of.iter().filter_map(|own| extremes(own, &own.y)).flatten());
+    let extremes = |of: &Of, (samples, channel): &(Arc<Samples>, usize), per_si: f64| {
+        samples.extremes(*channel, of.rows.clone()).map(|both| both.map(|value| per_si * value))
+    };
+    let x = range_of(of.iter().filter_map(|own| extremes(own, &own.x, own.per_si[0])).flatten());
+    let y = range_of(of.iter().filter_map(|own| extremes(own, &own.y, own.per_si[1])).flatten());
     [x.map_or([0.0, 1.0], socam_chart::chart::with_room), chart.fitted(y)]
 }
 
@@ -161,7 +168,7 @@ fn dots(key: &Key, handle: &Handle) -> Result<Vec<[f64; 3]>, String> {
             let times = of.y.0.times(block.clone());
             let (x, y) = (of.x.0.values(of.x.1, block.clone()), of.y.0.values(of.y.1, block));
             for ((time, x), y) in times.into_iter().zip(x).zip(y) {
-                thinner.push([x, y, time + of.shift_s]);
+                thinner.push([of.per_si[0] * x, of.per_si[1] * y, time + of.shift_s]);
             }
         }
     }

@@ -71,6 +71,8 @@ pub struct Spectra {
     between: poles::ZeroChannels,
     part: SpectrumPart,
     scaling: Scaling,
+    /// Whether magnitudes of responses are in decibels.
+    pub in_decibel: bool,
     densities: Cache<densities::Part, Densities>,
     responses: Cache<Between, Measured>,
 }
@@ -105,8 +107,8 @@ impl ViewPanel for Spectra {
                 "spectra by Welch's method with a Hann window: samples of a window, the whole recording or what the Time view has in sight; the level of noise, the amplitude of a sine, or power in decibels",
             ),
             (
-                "Response; output; over input; Band, Hz",
-                "output over input with coherence, as identify --method frf estimates it with the options of that command, and the model's own response",
+                "Response; output; over input; Magnitude in dB; Band, Hz",
+                "output over input with coherence, as identify --method frf estimates it with the options of that command, and the model's own response; 20 dB are a factor of ten of the magnitude in SI",
             ),
             (
                 "Poles and zeros; zeros of; over",
@@ -134,7 +136,11 @@ impl Spectra {
                 ui.selectable_value(&mut self.kind, kind, name);
             }
             match self.kind {
-                ChartType::Response => self.choose(ui, entries, model),
+                ChartType::Response => {
+                    self.choose(ui, entries, model);
+                    let tick = ui.checkbox(&mut self.in_decibel, "Magnitude in dB");
+                    tick.on_hover_text("20 times the decimal logarithm of the magnitude in SI");
+                }
                 ChartType::Spectrum => self.spectrum_options(ui, in_sight.is_some()),
                 ChartType::Poles => {}
             }

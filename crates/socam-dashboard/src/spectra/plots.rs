@@ -91,7 +91,8 @@ impl Spectra {
             || found.iter().filter_map(|result| Some(&result.as_ref()?.as_ref().ok()?.response.lines));
         let x = range_of(lines().flatten().map(|line| line.frequency_hz)).unwrap_or([0.1, 100.0]);
         let [over, under] = [output, input].map(|column| signal_of(shown, column));
-        let unit = format!("({})/({})", over.1, under.1);
+        let ratio = format!("({})/({})", over.1, under.1);
+        let unit = if self.in_decibel { format!("dB of {ratio}") } else { ratio };
         let mut charts = [
             ("magnitude", format!("|{} / {}|, {unit}", over.0, under.0)),
             ("phase", "phase, degrees".to_owned()),
@@ -113,6 +114,9 @@ impl Spectra {
                 parts: line,
                 style: Style::Dashed,
             });
+        }
+        if self.in_decibel {
+            charts[0].curves.iter_mut().for_each(|curve| curve.parts = decibels(&curve.parts));
         }
         remark(
             ui,
@@ -141,9 +145,15 @@ impl Spectra {
                 let own = if place == 2 && !is_scrolled { height + AXIS } else { height };
                 chart.size = vec2(ui.available_width(), own);
                 finish(&mut chart, x, place == 2 && !is_scrolled);
-                chart.scales = [Scale::Log, if place == 0 { Scale::Log } else { Scale::Linear }];
+                let is_log = place == 0 && !self.in_decibel;
+                chart.scales = [Scale::Log, if is_log { Scale::Log } else { Scale::Linear }];
                 let values = chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]));
                 chart.y = match place {
+                    0 if self.in_decibel => {
+                        // As far down as the logarithmic axis goes.
+                        let range = range_of(values).map(|[low, high]| [low.max(high - 120.0), high]);
+                        chart.fitted(range)
+                    }
                     0 => over_decades(&chart, values, 1e-6),
                     1 => [-190.0, 190.0],
                     _ => [-0.05, 1.15],
@@ -156,6 +166,12 @@ impl Spectra {
             chart::ruler(ui, &columns, x, Scale::Log, "frequency, Hz");
         }
     }
+}
+
+/// Magnitudes in decibels; nothing where a magnitude is zero.
+fn decibels(parts: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
+    let point = |[x, magnitude]: &[f64; 2]| (*magnitude > 0.0).then(|| [*x, 20.0 * magnitude.log10()]);
+    parts.iter().map(|part| part.iter().filter_map(point).collect()).collect()
 }
 
 /// Name and unit of the channel of a column.

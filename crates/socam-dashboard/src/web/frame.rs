@@ -8,6 +8,7 @@ use socam_workbench::document::{self, Document};
 use socam_workbench::job::{Handle, Job};
 use socam_workbench::purpose::Purpose;
 use socam_workbench::recording::Recording;
+use socam_workbench::session::Session;
 
 use crate::dashboard::Dashboard;
 use crate::progress::wake;
@@ -62,7 +63,7 @@ impl Dashboard {
         }
     }
 
-    pub(crate) fn show_found(&mut self, document: Document) {
+    pub(crate) fn show_found(&mut self, document: Document, _: Option<&str>) {
         self.show(document);
     }
 
@@ -89,4 +90,20 @@ impl Dashboard {
 
     /// A page reads no file whose columns lack units.
     pub(crate) fn ask_for_columns(&mut self, _: &str) {}
+
+    /// A page does not know the paths of its files.
+    pub(crate) fn note_saved(&mut self, _: Purpose, _: &Path) {}
+
+    /// A page offers no session, since it cannot open files by their paths.
+    pub(crate) fn save_session(&mut self, _: &Path) {}
+
+    /// A page shows the layout of a session and names its recordings.
+    pub(crate) fn show_session(&mut self, session: Session) {
+        self.views.time.arrange(&session.layout);
+        let runs: Vec<&str> = session.recordings.iter().map(|own| own.run.as_str()).collect();
+        self.say(format!(
+            "the plots are those of the session; a page cannot open its recordings by their paths, drop them here: {}",
+            runs.join(", ")
+        ));
+    }
 }

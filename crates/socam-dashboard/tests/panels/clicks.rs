@@ -301,8 +301,9 @@ fn help_names_each_control() {
             );
             let label = node.label().unwrap_or_default();
             // Recordings, channels and elements of the bench have names of their own.
-            let is_theirs = [": ", ", V", ", rad/s", ", N m", ", W"].iter().any(|part| label.contains(part))
-                || (!label.contains(' ') && label.contains('.'));
+            let is_theirs =
+                [": ", ", V", ", rad/s", ", rpm", ", N m", ", W"].iter().any(|part| label.contains(part))
+                    || (!label.contains(' ') && label.contains('.'));
             if is_control && !is_theirs && !socam_dashboard::help::names(&label) {
                 unnamed.insert(label);
             }

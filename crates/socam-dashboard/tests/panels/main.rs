@@ -1,5 +1,6 @@
 //! The panels as people use and see them: driven by the names that a screen reader would say, and compared with pictures.
 
+mod bench;
 mod clicks;
 mod commands;
 mod files;

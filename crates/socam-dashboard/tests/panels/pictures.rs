@@ -18,7 +18,10 @@ const NARROW: Viewport = Viewport { size: [800.0, 600.0], scale: 1.25 };
 const LARGE: Viewport = Viewport { size: [2560.0, 1440.0], scale: 1.0 };
 
 /// Look and size in which each state is drawn here; example `gallery` draws all states in all looks.
-const DRAWN: [(&str, Look, Viewport); 37] = [
+const DRAWN: [(&str, Look, Viewport); 40] = [
+    ("time-bench", Look::Dark, SMALL),
+    ("time-formula", Look::Light, NARROW),
+    ("response-decibel", Look::Light, SMALL),
     ("time", Look::Dark, SMALL),
     ("time-trouble", Look::Light, SMALL),
     ("time-one-sample", Look::Light, SMALL),

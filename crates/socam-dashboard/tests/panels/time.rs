@@ -52,23 +52,30 @@ fn a_channel_is_dragged_into_a_plot_of_its_unit_and_to_the_edge_of_another() {
     drag(&mut window, list.center(), plot.center());
     let both = "Chart motor_speed and output_speed (diamonds), rad/s";
     assert!(has(&window, both) && !has(&window, "Chart output_speed, rad/s"));
-    // Another unit is refused in a sentence, and nothing changes.
+    // Another unit has an axis at the right; a third one is refused in a sentence, and nothing changes.
+    let [list, plot] = ["command, V", both].map(|label| place(&window, label));
+    drag(&mut window, list.center(), plot.center());
+    let both = "Chart motor_speed and output_speed (diamonds) and command (squares, right axis), rad/s";
+    assert!(has(&window, both) && !has(&window, "Chart command, V"));
+    window.run_steps(40);
     let [list, plot] = ["torque_in, N m", both].map(|label| place(&window, label));
     drag(&mut window, list.center(), plot.center());
-    window.get_by_label_contains("torque_in is in N m and this plot in rad/s");
+    window.get_by_label_contains("torque_in is in N m and this plot has axes in rad/s and V");
     click(&mut window, "Dismiss");
     // A channel that is dropped at the right edge gets a plot beside the existing one.
     let [list, plot] = ["torque_in, N m", both].map(|label| place(&window, label));
     drag(&mut window, list.center(), plot.right_center() - vec2(30.0, 0.0));
     let [beside, plot] = ["Chart torque_in, N m", both].map(|label| place(&window, label));
     assert!(beside.left() >= plot.right() && (beside.center().y - plot.center().y).abs() < 20.0);
-    for _ in 0..2 {
+    for _ in 0..3 {
         window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
         window.run_steps(3);
     }
     assert!(has(&window, "Chart motor_speed, rad/s") && has(&window, "Chart output_speed, rad/s"));
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Y);
-    window.run_steps(3);
+    for _ in 0..2 {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Y);
+        window.run_steps(3);
+    }
     assert!(has(&window, both));
 }
 
@@ -105,7 +112,7 @@ fn a_channel_is_derived_in_the_dialog_and_measured_in_the_table() {
         operation: Operation::Product,
         of: "torque_in".into(),
         second: Some("motor_speed".into()),
-        value: None,
+        ..Derivation::default()
     };
     window.state_mut().views.time.derive(power);
     until(&mut window, "the power", |window| !window.state().is_busy());

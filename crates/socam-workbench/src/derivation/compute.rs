@@ -3,10 +3,12 @@
 use std::ops::Range;
 
 use socam_frequency::prepare::Butterworth;
+use socam_model::formula::Tape;
 use socam_recording::Segment;
 
-use super::{Derivation, Operation};
+use super::{Derivation, Operation, formula};
 use crate::job::Handle;
+use crate::signal::Signal;
 use socam_samples::Samples;
 
 /// Greatest number of rows: a derived channel is kept in memory, and is computed whole.
@@ -16,15 +18,21 @@ pub(crate) const MOST_ROWS: usize = 20_000_000;
 /// tangent of half the angle: two passes halve the power where each leaves 1/sqrt(2) of it.
 const TWO_PASSES: f64 = 0.802_243;
 
-/// The values of a derived channel, one per row; NaN where there is none.
+/// The values of a derived channel, one per row; NaN where there is none. The sources are channels of one recording.
 ///
 /// # Errors
-/// When the recording is too long, a filter is not possible, or the work was cancelled; one sentence.
+/// When the recording is too long, a filter is not possible, a formula does not fit, or the work was cancelled; one sentence.
 pub(crate) fn values(
     derivation: &Derivation,
-    [(samples, channel), (second, second_channel)]: [(&Samples, usize); 2],
+    signals: &[Signal],
+    sources: &[(&Samples, usize)],
     handle: &Handle,
 ) -> Result<Vec<f64>, String> {
+    let Some((samples, channel)) = sources.first().copied() else {
+        return Err("it is derived from no channel".into());
+    };
+    let is_formula = derivation.operation == Operation::Formula;
+    let tape = is_formula.then(|| formula::tape(derivation.text(), signals)).transpose()?;
     let rows = samples.rows();
     if rows > MOST_ROWS {
         return Err(format!(
@@ -37,8 +45,11 @@ pub(crate) fn values(
         handle.reached(segment.first_row as f32 / rows.max(1) as f32)?;
         let part = segment.first_row as usize..segment.end_row() as usize;
         let (time_s, mut own) = (samples.times(part.clone()), samples.values(channel, part.clone()));
-        if derivation.operation.second().is_some() {
-            combine(derivation.operation, &mut own, &second.values(second_channel, part.clone()));
+        let others = || sources[1..].iter().map(|(samples, channel)| samples.values(*channel, part.clone()));
+        if let Some(tape) = &tape {
+            evaluate(tape, &mut own, &others().collect::<Vec<_>>());
+        } else if let Some(second) = others().next() {
+            combine(derivation.operation, &mut own, &second);
         }
         for run in runs(&own) {
             let (time_s, own) = (&time_s[run.clone()], &mut own[run]);
@@ -47,6 +58,20 @@ pub(crate) fn values(
         all[part].copy_from_slice(&own);
     }
     Ok(all)
+}
+
+/// Replaces the values of a formula's first channel by those of the formula.
+fn evaluate(tape: &Tape, values: &mut [f64], others: &[Vec<f64>]) {
+    let mut inputs = vec![0.0; 1 + others.len()];
+    for (row, value) in values.iter_mut().enumerate() {
+        inputs[0] = *value;
+        inputs[1..].iter_mut().zip(others).for_each(|(input, other)| *input = other[row]);
+        // `min` and `max` of a missing value and a number are the number.
+        let is_whole = inputs.iter().all(|input| input.is_finite());
+        *value = if is_whole { Some(tape.value(&inputs)) } else { None }
+            .filter(|value| value.is_finite())
+            .unwrap_or(f64::NAN);
+    }
 }
 
 fn combine(operation: Operation, values: &mut [f64], second: &[f64]) {
@@ -92,7 +117,7 @@ fn of_run(
             values.iter_mut().zip(slow).for_each(|(value, slow)| *value -= slow);
         }
         Operation::MovingMean => values.copy_from_slice(&moving_mean(values, value, step_s)?),
-        Operation::Difference | Operation::Ratio | Operation::Product => {}
+        Operation::Difference | Operation::Ratio | Operation::Product | Operation::Formula => {}
     }
     Ok(())
 }

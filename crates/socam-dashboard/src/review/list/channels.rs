@@ -7,6 +7,7 @@ use egui::{
 
 use super::{Dragged, Review, elided};
 use crate::review::derive::Form;
+use crate::review::units;
 use socam_chart::theme;
 use socam_workbench::arrangement::Plot;
 use socam_workbench::derivation::Operation;
@@ -32,7 +33,7 @@ impl Review {
     }
 
     fn channel(&mut self, ui: &mut Ui, signal: &Signal, all: &[Signal], is_derived: bool) {
-        let label = signal.label();
+        let label = self.units.label(signal);
         let was_on = !self.plots.hidden.contains(signal);
         let mut on = was_on;
         ui.horizontal(|ui| {
@@ -106,6 +107,10 @@ impl Review {
         if ui.button("Spectrogram of it").clicked() {
             self.add(Plot::Spectrogram(signal.clone()));
         }
+        if ui.button("Histogram of it").clicked() {
+            self.add(Plot::Histogram(signal.clone()));
+        }
+        units::of_channel(ui, &mut self.units, signal);
         ui.menu_button("XY plot over", |ui| {
             for x in all.iter().filter(|own| *own != signal) {
                 if ui.button(x.label()).clicked() {

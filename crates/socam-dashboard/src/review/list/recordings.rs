@@ -18,6 +18,7 @@ enum Done {
     Close,
     Solo,
     Columns,
+    Align,
 }
 
 impl Review {
@@ -43,11 +44,15 @@ impl Review {
         if !is_few {
             ui.spacing_mut().item_spacing.y = 2.0;
         }
-        for (index, entry) in entries.iter_mut().enumerate() {
+        let others: Vec<Option<String>> = entries
+            .iter()
+            .map(|entry| self.aligned_with(entries, entry.number).map(|other| short_name(&entries[other])))
+            .collect();
+        for ((index, entry), other) in entries.iter_mut().enumerate().zip(others) {
             if !self.is_found(&entry.recording.about.name) {
                 continue;
             }
-            let (rect, own) = ui.push_id(entry.number, |ui| row(ui, entry, is_few)).inner;
+            let (rect, own) = ui.push_id(entry.number, |ui| row(ui, entry, (is_few, other))).inner;
             done = done.or(own.map(|own| (index, own)));
             if ui.rect_contains_pointer(rect) {
                 lit = Some(entry.number).filter(|_| entry.shown);
@@ -59,6 +64,10 @@ impl Review {
             (index, Done::Close) => Some(index),
             (index, Done::Solo) => {
                 solo(entries, index);
+                None
+            }
+            (index, Done::Align) => {
+                requests.extend(self.start_aligning(ui.ctx(), entries, index));
                 None
             }
             (index, Done::Columns) => {
@@ -77,8 +86,8 @@ fn solo(entries: &mut [Entry], index: usize) {
     }
 }
 
-/// One recording: its colour, name and menu, on one line. Returns the line's place and what is done.
-fn row(ui: &mut Ui, entry: &mut Entry, is_few: bool) -> (Rect, Option<Done>) {
+/// One recording: its colour, name and menu, on one line; `other` is the recording over which it can be laid. Returns the line's place and what is done.
+fn row(ui: &mut Ui, entry: &mut Entry, (is_few, other): (bool, Option<String>)) -> (Rect, Option<Done>) {
     let mut done = None;
     let name = short_name(entry);
     let was_shown = entry.shown;
@@ -96,7 +105,7 @@ fn row(ui: &mut Ui, entry: &mut Entry, is_few: bool) -> (Rect, Option<Done>) {
             if close.clicked() {
                 done = Some(Done::Close);
             }
-            done = more(ui, entry, &name).or(done);
+            done = more(ui, entry, &name, other.as_deref()).or(done);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let font = TextStyle::Button.resolve(ui.style());
                 let room = ui.available_width() - ui.spacing().icon_width - ui.spacing().icon_spacing - 2.0;
@@ -123,7 +132,7 @@ fn row(ui: &mut Ui, entry: &mut Entry, is_few: bool) -> (Rect, Option<Done>) {
 }
 
 /// The menu of a recording; its button is seen while the pointer is on the row.
-fn more(ui: &mut Ui, entry: &mut Entry, name: &str) -> Option<Done> {
+fn more(ui: &mut Ui, entry: &mut Entry, name: &str, other: Option<&str>) -> Option<Done> {
     let mut done = None;
     let row = ui.max_rect();
     let place = ui.scope_id().with("menu of a recording");
@@ -145,6 +154,13 @@ fn more(ui: &mut Ui, entry: &mut Entry, name: &str) -> Option<Done> {
                 let said = format!("shift of {name}");
                 shift.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, &said));
                 shift.on_hover_text("Draws this recording later or earlier, to lay it over another");
+                if let Some(other) = other {
+                    let align = ui.button("Align");
+                    let tip = format!("Finds the shift that lays it over {other}, by the correlation of a channel that both have");
+                    if align.on_hover_text(tip).clicked() {
+                        done = Some(Done::Align);
+                    }
+                }
             });
             if entry.recording.about.has_plain_numbers() && ui.button("Set units...").clicked() {
                 done = Some(Done::Columns);

@@ -15,6 +15,7 @@ impl Plots {
             even: self.even,
             hidden: self.hidden.clone(),
             derived: derived.to_vec(),
+            ..Arrangement::default()
         }
     }
 

@@ -126,8 +126,8 @@ impl Plots {
 fn least_of(plot: &Plot) -> f32 {
     match plot {
         Plot::Time(_) => LEAST,
-        Plot::Xy { .. } | Plot::Spectrogram(_) => LEAST_TALL,
-        Plot::Statistics => LEAST_TABLE,
+        Plot::Xy { .. } | Plot::Spectrogram(_) | Plot::Histogram(_) => LEAST_TALL,
+        Plot::Statistics | Plot::Table => LEAST_TABLE,
     }
 }
 

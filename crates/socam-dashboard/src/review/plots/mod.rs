@@ -64,17 +64,21 @@ impl Plots {
         let is_there = |plot: &Plot| match plot {
             Plot::Time(own) => own.iter().any(|signal| signals.contains(signal)),
             Plot::Xy { y, x } => signals.contains(y) && signals.contains(x),
-            Plot::Spectrogram(signal) => signals.contains(signal),
-            Plot::Statistics => !signals.is_empty(),
+            Plot::Spectrogram(signal) | Plot::Histogram(signal) => signals.contains(signal),
+            Plot::Statistics | Plot::Table => !signals.is_empty(),
         };
         let states: Vec<(TileId, bool)> = self.panes().map(|(id, plot)| (id, is_there(plot))).collect();
         states.into_iter().for_each(|(id, visible)| self.tree.set_visible(id, visible));
     }
 
-    /// Horizontal extents of the spectrograms, as they were drawn last.
+    /// Horizontal extents of spectrograms and of plots with two axes, as they were drawn last.
     pub(super) fn bars(&self) -> Vec<egui::Rangef> {
-        let is_one =
-            |(id, plot): &(TileId, &Plot)| matches!(plot, Plot::Spectrogram(_)) && self.tree.is_visible(*id);
+        let needs_room = |plot: &Plot| match plot {
+            Plot::Spectrogram(_) => true,
+            Plot::Time(own) => own.iter().any(|signal| signal.unit != own[0].unit),
+            _ => false,
+        };
+        let is_one = |(id, plot): &(TileId, &Plot)| needs_room(plot) && self.tree.is_visible(*id);
         let places = self.panes().filter(is_one).filter_map(|(id, _)| self.tree.tiles.rect(id));
         places.map(|rect| rect.x_range()).collect()
     }

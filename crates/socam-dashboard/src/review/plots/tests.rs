@@ -39,12 +39,13 @@ fn each_channel_gets_a_plot_and_a_hidden_one_comes_back_where_it_was() {
 }
 
 #[test]
-fn channels_of_one_unit_share_a_plot_and_others_are_refused_in_a_sentence() {
+fn channels_of_two_units_share_a_plot_and_a_third_is_refused_in_a_sentence() {
     let mut plot = Plot::Time(vec![signal("motor_speed", "rad/s")]);
     plot.join(signal("output_speed", "rad/s")).unwrap();
-    let refused = plot.join(signal("torque_out", "N m")).unwrap_err();
-    assert!(refused.contains("torque_out is in N m and this plot in rad/s"), "{refused}");
-    assert_eq!(plot.title(), "motor_speed, output_speed");
+    plot.join(signal("torque_out", "N m")).unwrap();
+    let refused = plot.join(signal("command", "V")).unwrap_err();
+    assert!(refused.contains("command is in V and this plot has axes in rad/s and N m"), "{refused}");
+    assert_eq!(plot.title(), "motor_speed, output_speed, torque_out");
 }
 
 #[test]

@@ -192,7 +192,10 @@ fn diagnosed(look: Look, over: Over) -> Dashboard {
 
 /// The states in which the views are looked at, by name: with data and without, with twelve recordings, with one sample, with long
 /// names, gaps, missing values and spikes, with something wrong.
-pub(crate) const STATES: [&str; 40] = [
+pub(crate) const STATES: [&str; 43] = [
+    "time-bench",
+    "time-formula",
+    "response-decibel",
     "time-tiles",
     "time-thirty",
     "time-derive",
@@ -241,13 +244,13 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "time" | "time-differences" => with_runs(look, View::Time, 3),
         "time-trouble" | "time-one-sample" | "time-nothing" | "time-empty" => dashboard(look, View::Time),
         "time-twelve" => with_runs(look, View::Time, 12),
-        "time-tiles" | "time-derive" => with_runs(look, View::Time, 2),
+        "time-tiles" | "time-derive" | "time-bench" | "time-formula" => with_runs(look, View::Time, 2),
         "time-thirty" => with_runs(look, View::Time, 30),
         "time-wrong" => with_runs(look, View::Time, 1),
         "spectrum" => with_spectra(look, ChartType::Spectrum, 2),
         "spectrum-twelve" => with_spectra(look, ChartType::Spectrum, 12),
         "spectrum-trouble" => dashboard(look, View::Frequency),
-        "response" => with_spectra(look, ChartType::Response, 2),
+        "response" | "response-decibel" => with_spectra(look, ChartType::Response, 2),
         "poles" => with_spectra(look, ChartType::Poles, 0),
         "check" => with_runs(look, View::Check, 2),
         "identify" | "identify-empty" => dashboard(look, View::Identify),
@@ -275,6 +278,11 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "help" => state.help.is_open = true,
         "time" => state.views.time.cursors = Some([2.5, 5.25]),
         "time-tiles" => state.views.time.arrange(&tiles::tiles()),
+        "time-bench" => state.views.time.arrange(&tiles::bench()),
+        "time-formula" => {
+            state.views.time.ask_for_formula("torque_out*output_speed/(torque_in*mot");
+        }
+        "response-decibel" => state.views.frequency.in_decibel = true,
         "time-derive" => {
             state.views.time.ask_for_channel("torque_out");
             state.views.time.derive(tiles::power());

@@ -10,7 +10,7 @@ fn signal(name: &str, unit: &str) -> Signal {
 
 pub(super) fn power() -> Derivation {
     let second = Some("motor_speed".into());
-    Derivation { operation: Operation::Product, of: "torque_in".into(), second, value: None }
+    Derivation { operation: Operation::Product, of: "torque_in".into(), second, ..Derivation::default() }
 }
 
 /// Plots of every kind.
@@ -33,4 +33,32 @@ pub(super) fn tiles() -> Arrangement {
         derived: vec![power()],
         ..Arrangement::default()
     }
+}
+
+/// What an analyst looks at: a formula, speeds in revolutions per minute, a histogram, a table of values.
+pub(super) fn bench() -> Arrangement {
+    let [motor, output] = ["motor_speed", "output_speed"].map(|name| signal(name, "rad/s"));
+    let torque_out = signal("torque_out", "N m");
+    let part = |share, of| Part { share, of };
+    let plot = |plot| part(1.0, Node::Plot(plot));
+    let power_out = Derivation {
+        operation: Operation::Formula,
+        of: "power_out".into(),
+        formula: Some("torque_out * output_speed".into()),
+        ..Derivation::default()
+    };
+    let over_time = vec![
+        plot(Plot::Time(vec![motor])),
+        plot(Plot::Time(vec![output.clone(), torque_out.clone()])),
+        plot(Plot::Time(vec![signal("power_out", "W")])),
+    ];
+    let beside = Node::Column(vec![plot(Plot::Histogram(torque_out)), plot(Plot::Table)]);
+    let mut arrangement = Arrangement {
+        plots: Some(Node::Row(vec![part(3.0, Node::Column(over_time)), part(2.0, beside)])),
+        hidden: [signal("command", "V"), signal("torque_in", "N m")].into(),
+        derived: vec![power_out],
+        ..Arrangement::default()
+    };
+    arrangement.units.choose_for_all("rad/s", "rpm");
+    arrangement
 }

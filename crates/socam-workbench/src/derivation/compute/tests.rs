@@ -12,8 +12,9 @@ fn samples(time_s: Vec<f64>, columns: &[Vec<f64>]) -> Samples {
 
 fn derived(samples: &Samples, operation: Operation, value: f64) -> Vec<f64> {
     let derivation = Derivation { operation, value: Some(value), ..Derivation::default() };
-    let second = samples.channels() - 1;
-    values(&derivation, [(samples, 0), (samples, second)], &Handle::default()).unwrap()
+    let second = operation.second().map(|_| (samples, samples.channels() - 1));
+    let sources: Vec<_> = std::iter::once((samples, 0)).chain(second).collect();
+    values(&derivation, &[], &sources, &Handle::default()).unwrap()
 }
 
 fn wave(hz: f64, rows: usize) -> Samples {
@@ -97,11 +98,32 @@ fn what_cannot_be_computed_says_why() {
     let of = |operation, value| {
         let derivation = Derivation { operation, value: Some(value), ..Derivation::default() };
         let wave = wave(1.0, 100);
-        values(&derivation, [(&wave, 0), (&wave, 0)], &Handle::default())
+        values(&derivation, &[], &[(&wave, 0)], &Handle::default())
     };
     assert!(of(Operation::LowPass, 600.0).unwrap_err().contains("below half of 1000"));
     assert!(of(Operation::HighPass, 0.0).is_err() && of(Operation::MovingMean, 0.0).is_err());
     let twist = Derivation { operation: Operation::Difference, ..Derivation::default() };
-    assert!(twist.unit("rad", Some("V")).unwrap_err().contains("same unit"));
-    assert_eq!(twist.unit("rad", Some("rad")).as_deref(), Ok("rad"));
+    let of = |unit: &str| Signal { name: "c".into(), unit: unit.into() };
+    assert!(twist.unit(&[of("rad"), of("V")]).unwrap_err().contains("same unit"));
+    assert_eq!(twist.unit(&[of("rad"), of("rad")]).as_deref(), Ok("rad"));
+}
+
+#[test]
+fn a_formula_is_computed_where_all_its_channels_have_values() {
+    let time_s = vec![0.0, 1.0, 2.0, 3.0];
+    let samples = samples(time_s, &[vec![6.0, 8.0, f64::NAN, 1.0], vec![2.0, 4.0, 1.0, 0.0]]);
+    let signals = ["a", "b"].map(|name| Signal { name: name.into(), unit: "V".into() });
+    let of = |text: &str| {
+        let formula = Some(text.into());
+        let derivation = Derivation { operation: Operation::Formula, formula, ..Derivation::default() };
+        let sources = derivation.sources(&signals).unwrap();
+        let place = |signal: &Signal| signals.iter().position(|own| own == signal).unwrap();
+        let from: Vec<_> = sources.iter().map(|signal| (&samples, place(signal))).collect();
+        values(&derivation, &sources, &from, &Handle::default()).unwrap()
+    };
+    let power = of("2*a^2/b");
+    assert_eq!(power[..2], [36.0, 32.0]);
+    assert!(power[2].is_nan() && power[3].is_nan(), "{power:?}");
+    let least = of("min(b, a) - 1*a");
+    assert!(least[..2] == [-4.0, -4.0] && least[2].is_nan() && least[3] == -1.0, "{least:?}");
 }

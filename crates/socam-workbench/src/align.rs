@@ -1,0 +1,227 @@
+//! The shift that lays one recording over another, by the correlation of a channel that both have.
+
+use socam_samples::Samples;
+
+use crate::job::Handle;
+
+/// Cells of the first search, which tries all shifts.
+const COARSE: usize = 8192;
+/// Cells of the last search: finer than this, a parabola through three correlations is enough.
+const FINEST: usize = 4_000_000;
+/// Each search has cells so many times shorter than the one before, and tries so many to both sides.
+const FINER: usize = 4;
+/// Rows that are read at a time.
+const BLOCK: usize = 1 << 16;
+/// Least share of the shorter recording that overlaps.
+const OVERLAP: f64 = 0.3;
+/// Least correlation of recordings that are laid over each other.
+const LEAST: f64 = 0.7;
+/// A peak ends where the correlation falls below this share of it, and another one is as good from the second share on.
+const ENDS: f64 = 0.5;
+const AS_GOOD: f64 = 0.93;
+
+/// How two recordings lie over each other best.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alignment {
+    /// Delay that is added to the times of the second recording, s.
+    pub shift_s: f64,
+    /// Correlation of the channel at that shift, -1 to 1.
+    pub correlation: f64,
+}
+
+/// A channel of a recording.
+pub type Of<'a> = (&'a Samples, usize);
+
+/// The shift of the second recording that makes its channel most like that of the first. Both must overlap by 30 % of the shorter one.
+/// The resolution is that of the slower recording, with a parabola between its samples.
+///
+/// # Errors
+/// When a recording is empty, the best correlation is below 0.7, or another shift fits as well; one sentence.
+pub fn align(first: Of<'_>, second: Of<'_>, handle: &Handle) -> Result<Alignment, String> {
+    let spans = [first, second].map(|(samples, _)| samples.span_s());
+    let [Some(a), Some(b)] = spans else { return Err("a recording has no sample".into()) };
+    let longest = (a[1] - a[0]).max(b[1] - b[0]);
+    let finest = step_s(first.0).max(step_s(second.0)).max(longest / FINEST as f64);
+    if longest.is_nan() || longest <= 0.0 || finest <= 0.0 {
+        return Err("a recording of one sample has no shape that could be compared".into());
+    }
+    let mut step = finest;
+    while longest / step > COARSE as f64 {
+        step *= FINER as f64;
+    }
+    let read =
+        |(samples, channel): Of<'_>, from: f64, step: f64| cells(samples, channel, (from, step), handle);
+    let (mut one, mut other) = (read(first, a[0], step)?, read(second, b[0], step)?);
+    let (mut lag, mut best) = search(&one, &other, step, handle)?;
+    while step > 1.5 * finest {
+        step /= FINER as f64;
+        (one, other) = (read(first, a[0], step)?, read(second, b[0], step)?);
+        let middle = lag * FINER as isize;
+        let near = middle - FINER as isize..=middle + FINER as isize;
+        let found = near.filter_map(|lag| Some((lag, correlation(&one, &other, lag)?.0)));
+        (lag, best) = found.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((middle, best));
+    }
+    let beside = [lag - 1, lag + 1].map(|lag| correlation(&one, &other, lag).map(|(own, _)| own));
+    let between = match beside {
+        [Some(before), Some(after)] if before + after < 2.0 * best => {
+            0.5 * (before - after) / (before - 2.0 * best + after)
+        }
+        _ => 0.0,
+    };
+    // Cell i of the first lies over cell i + lag of the second.
+    let shift_s = a[0] - b[0] - (lag as f64 + between) * step;
+    Ok(Alignment { shift_s, correlation: best })
+}
+
+/// The usual distance of samples, s.
+fn step_s(samples: &Samples) -> f64 {
+    let longest =
+        samples.segments().iter().max_by(|a, b| (a.end_s - a.start_s).total_cmp(&(b.end_s - b.start_s)));
+    longest.map_or(0.0, |segment| segment.sample_time_s)
+}
+
+/// Means of the values in cells of equal length, s, the first one about `from`; NaN where there is none.
+fn cells(
+    samples: &Samples,
+    channel: usize,
+    (from, step): (f64, f64),
+    handle: &Handle,
+) -> Result<Vec<f64>, String> {
+    let end = samples.span_s().map_or(from, |span| span[1]);
+    let count = ((end - from) / step + 0.5).floor() as usize + 1;
+    let (mut sums, mut counts) = (vec![0.0; count], vec![0_u32; count]);
+    let mut next = 0;
+    while next < samples.rows() {
+        handle.reached(0.0)?;
+        let rows = next..(next + BLOCK).min(samples.rows());
+        next = rows.end;
+        for (time, value) in samples.times(rows.clone()).into_iter().zip(samples.values(channel, rows)) {
+            let cell = ((time - from) / step + 0.5).floor() as usize;
+            if value.is_finite() && cell < count {
+                sums[cell] += value;
+                counts[cell] += 1;
+            }
+        }
+    }
+    let mean = |(sum, count): (f64, u32)| if count > 0 { sum / f64::from(count) } else { f64::NAN };
+    Ok(sums.into_iter().zip(counts).map(mean).collect())
+}
+
+/// The lag with the greatest correlation, and that correlation.
+fn search(one: &[f64], other: &[f64], step: f64, handle: &Handle) -> Result<(isize, f64), String> {
+    let least = ((OVERLAP * one.len().min(other.len()) as f64) as usize).max(3);
+    let lags = 1 - one.len() as isize..other.len() as isize;
+    let mut all = Vec::with_capacity(lags.len());
+    for lag in lags.clone() {
+        if lag % 256 == 0 {
+            handle.reached((lag - lags.start) as f32 / lags.len() as f32)?;
+        }
+        let found = correlation(one, other, lag).filter(|(_, count)| *count >= least);
+        all.push(found.map_or(f64::NEG_INFINITY, |(own, _)| own));
+    }
+    let peak = |range: std::ops::Range<usize>| range.max_by(|a, b| all[*a].total_cmp(&all[*b]));
+    let place = peak(0..all.len()).ok_or("a recording has no sample")?;
+    let (best, shift) = (all[place], |place: usize| -(lags.start + place as isize) as f64 * step);
+    if best < LEAST {
+        let found = if best.is_finite() { format!("{best:.2}") } else { "none".into() };
+        return Err(format!(
+            "their best correlation is {found}, and {LEAST} is needed to lay one over the other"
+        ));
+    }
+    let falls = |value: &f64| *value < ENDS * best;
+    let left = all[..place].iter().rposition(falls).map_or(0, |end| end + 1);
+    let right = all[place..].iter().position(falls).map_or(all.len(), |end| place + end);
+    // Two peaks on one hill are one.
+    let rival = [peak(0..left), peak(right..all.len())]
+        .into_iter()
+        .flatten()
+        .max_by(|a, b| all[*a].total_cmp(&all[*b]));
+    match rival.filter(|rival| all[*rival] > AS_GOOD * best) {
+        Some(rival) => Err(format!(
+            "there is no clear maximum: the signal repeats itself, and shifts that differ by {:.4} s correlate at {best:.2} and {:.2}",
+            (shift(place) - shift(rival)).abs(),
+            all[rival]
+        )),
+        None if left == 0 || right == all.len() => {
+            Err("there is no clear maximum: the correlation does not fall on both sides of it".into())
+        }
+        None => Ok((lags.start + place as isize, best)),
+    }
+}
+
+/// Pearson's correlation of cell i of one with cell i + lag of the other where both have a value, and the number of these; `None` where
+/// fewer than three have, or one of them is constant.
+fn correlation(one: &[f64], other: &[f64], lag: isize) -> Option<(f64, usize)> {
+    let from = (-lag).max(0) as usize;
+    let start = (from as isize + lag) as usize;
+    let (mut count, mut sums, mut products) = (0_usize, [0.0; 2], [0.0; 3]);
+    for (a, b) in one.get(from..)?.iter().zip(other.get(start..)?) {
+        if a.is_finite() && b.is_finite() {
+            count += 1;
+            sums = [sums[0] + a, sums[1] + b];
+            products = [products[0] + a * a, products[1] + a * b, products[2] + b * b];
+        }
+    }
+    let mean = sums.map(|sum| sum / count as f64);
+    let [aa, ab, bb] =
+        [products[0] - sums[0] * mean[0], products[1] - sums[0] * mean[1], products[2] - sums[1] * mean[1]];
+    let scale = (aa * bb).sqrt();
+    // What rounding leaves of a constant is no signal.
+    let rounding = 1e-9 * (products[0] * products[2]).sqrt();
+    (count >= 3 && scale > rounding).then_some((ab / scale, count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use socam_recording::{Channel, Dataset, Unit};
+
+    fn of(from_s: f64, step_s: f64, rows: usize, value: impl Fn(f64) -> f64) -> Samples {
+        let time_s: Vec<f64> = (0..rows).map(|row| from_s + row as f64 * step_s).collect();
+        let values: Vec<f64> = time_s.iter().map(|time| value(*time)).collect();
+        let channels = vec![Channel::new("x", Unit::V)];
+        let data = Dataset::from_columns("r", channels, time_s.clone(), vec![values.clone()]).unwrap();
+        Samples::in_memory(time_s, &[values], data.segments().to_vec())
+    }
+
+    /// A sweep: no part of it is like another one.
+    fn sweep(t: f64) -> f64 {
+        3.0 + (2.0 * t + 0.9 * t * t).sin()
+    }
+
+    fn aligned(first: &Samples, second: &Samples) -> Result<Alignment, String> {
+        align((first, 0), (second, 0), &Handle::default())
+    }
+
+    #[test]
+    fn the_shift_is_found_to_a_part_of_a_sample() {
+        let first = of(0.0, 1e-3, 8000, sweep);
+        // Begins later, is slower, has another scale and offset, and a missing value.
+        let second =
+            of(100.0, 2e-3, 3000, |t| if t == 101.0 { f64::NAN } else { 5.0 - 0.2 * -sweep(t - 98.7654) });
+        let found = aligned(&first, &second).unwrap();
+        assert!((found.shift_s + 98.7654).abs() < 2e-4 && found.correlation > 0.999, "{found:?}");
+        let back = aligned(&second, &first).unwrap();
+        assert!((back.shift_s - 98.7654).abs() < 2e-4, "{back:?}");
+    }
+
+    #[test]
+    fn a_long_recording_is_searched_in_steps() {
+        let slow = |t: f64| (0.02 * t * t).sin() + 0.3 * (5.0 * t).sin();
+        let (first, second) = (of(0.0, 1e-3, 60_000, slow), of(0.0, 1e-3, 50_000, |t| slow(t + 7.1234)));
+        let found = aligned(&first, &second).unwrap();
+        assert!((found.shift_s - 7.1234).abs() < 2e-4, "{found:?}");
+    }
+
+    #[test]
+    fn what_repeats_or_differs_is_refused_with_the_reason() {
+        let sine = of(0.0, 1e-2, 1000, |t| (6.0 * t).sin());
+        assert!(aligned(&sine, &sine).unwrap_err().contains("repeats itself"));
+        let other = of(0.0, 1e-2, 1000, |t| (1.0 / (0.02 + t)).sin());
+        assert!(aligned(&of(0.0, 1e-2, 1000, sweep), &other).unwrap_err().contains("best correlation is"));
+        let constant = of(0.0, 1e-2, 1000, |_| 4.0);
+        assert!(aligned(&sine, &constant).unwrap_err().contains("correlation is none"));
+        let one = of(0.0, 1e-2, 1, |_| 4.0);
+        assert!(aligned(&one, &one).is_err());
+    }
+}

@@ -1,0 +1,155 @@
+//! A session: what a window shows, as a file. Recordings and results are named by their paths, relative to the file.
+
+use std::path::{Component, Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::arrangement::Arrangement;
+use crate::view::View;
+
+/// Schema of a session's file.
+pub const SCHEMA: &str = "socam.session/1";
+
+/// What a window shows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Session {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// The view that is shown.
+    pub view: View,
+    /// The open recordings.
+    #[serde(default)]
+    pub recordings: Vec<Named>,
+    /// Results that are shown: paths of identifications, and of diagnoses or the folders of their reports.
+    #[serde(default)]
+    pub results: Vec<String>,
+    /// The range of time in sight, s; all of it without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range_s: Option<[f64; 2]>,
+    /// Cursors A and B, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cursors_s: Option<[f64; 2]>,
+    /// Plots, hidden and derived channels, units.
+    pub layout: Arrangement,
+    /// Text of the model's file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<String>,
+}
+
+/// A recording of a session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Named {
+    /// Its path, or `RUN@FROM..TO`.
+    pub run: String,
+    /// Whether it is drawn.
+    #[serde(default = "yes")]
+    pub shown: bool,
+    /// Delay that is added to its times in the drawing, s.
+    #[serde(default)]
+    pub shift_s: f64,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl Session {
+    /// The file's text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+
+    /// The session with the paths of a file in this folder as paths of this computer.
+    #[must_use]
+    pub fn resolved(mut self, folder: &Path) -> Self {
+        let whole = |path: &String| folder.join(path).display().to_string();
+        self.recordings.iter_mut().for_each(|own| own.run = whole(&own.run));
+        self.results.iter_mut().for_each(|own| *own = whole(own));
+        self
+    }
+
+    /// Paths of recordings and results that are not there.
+    #[must_use]
+    pub fn missing(&self) -> Vec<String> {
+        let runs = self.recordings.iter().map(|own| &own.run);
+        runs.chain(&self.results).filter(|path| !is_there(path)).cloned().collect()
+    }
+}
+
+/// Whether there is a file or folder of that path, or the files of a part of recordings.
+#[must_use]
+pub fn is_there(run: &str) -> bool {
+    let selected = || socam_recording::Selection::parse(run);
+    Path::new(run).exists() || selected().is_ok_and(|selection| selection.files().all(|path| path.exists()))
+}
+
+/// A path relative to a folder, with `/` between its parts; the whole path where they have nothing in common.
+#[must_use]
+pub fn relative(path: &str, folder: &Path) -> String {
+    let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let (path, folder) = (plain(&whole(Path::new(path))), plain(&whole(folder)));
+    let (parts, base): (Vec<_>, Vec<_>) = (path.components().collect(), folder.components().collect());
+    let same = parts.iter().zip(&base).take_while(|(a, b)| a == b).count();
+    let is_rooted = |part: &Component<'_>| matches!(part, Component::Prefix(_) | Component::RootDir);
+    if same == 0 || parts[..same].iter().all(is_rooted) {
+        return path.display().to_string();
+    }
+    let up = base[same..].iter().map(|_| "..".to_owned());
+    let down = parts[same..].iter().map(|part| part.as_os_str().to_string_lossy().into_owned());
+    up.chain(down).collect::<Vec<_>>().join("/")
+}
+
+/// An absolute path without `.` and `..`, by its text.
+fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir => drop(plain.pop()),
+            other => plain.push(other),
+        }
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_relative_to_the_file() {
+        for (path, folder, expected) in [
+            ("/lab/runs/a.mcap", "/lab", "runs/a.mcap"),
+            ("/lab/runs/a.mcap@2..8", "/lab/sessions", "../runs/a.mcap@2..8"),
+            ("/lab/./x/../a.csv", "/lab", "a.csv"),
+            ("/data/a.csv", "/lab/sessions", "/data/a.csv"),
+        ] {
+            assert_eq!(relative(path, Path::new(folder)), expected, "{path} in {folder}");
+        }
+    }
+
+    #[test]
+    fn a_session_survives_its_file_and_says_what_is_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.csv"), "t_s,a_V\n0,1\n1,2\n").unwrap();
+        let named = |run: &str| Named { run: run.into(), shown: false, shift_s: 0.5 };
+        let session = Session {
+            schema: SCHEMA.into(),
+            view: View::Frequency,
+            recordings: vec![named("a.csv@0..1"), named("gone.csv")],
+            results: vec!["fit.json".into()],
+            range_s: Some([0.0, 1.0]),
+            cursors_s: None,
+            layout: Arrangement::default(),
+            model: None,
+        };
+        let read: Session = serde_json::from_str(&session.text()).unwrap();
+        assert_eq!(read, session);
+        let missing = read.resolved(folder.path()).missing();
+        let expected = ["gone.csv", "fit.json"].map(|name| folder.path().join(name).display().to_string());
+        assert_eq!(missing, expected);
+    }
+}
