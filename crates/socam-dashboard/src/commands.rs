@@ -17,6 +17,7 @@ pub(crate) enum Command {
     ExportPng,
     ExportSvg,
     ExportCsv,
+    ExportAnimation,
     CloseAll,
     Undo,
     Redo,
@@ -39,7 +40,7 @@ const VIEWS: [Key; 9] =
     [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
 /// Commands besides the views with their texts and keys, in the order of the menus.
-const COMMANDS: [(Command, &str, Modifiers, Key); 19] = [
+const COMMANDS: [(Command, &str, Modifiers, Key); 20] = [
     (Command::NewSignal, "New input signal", CTRL, Key::N),
     (Command::Open, "Open...", CTRL, Key::O),
     (Command::SaveSignal, "Save input signal...", CTRL, Key::S),
@@ -48,6 +49,7 @@ const COMMANDS: [(Command, &str, Modifiers, Key); 19] = [
     (Command::ExportPng, "as PNG...", CTRL, Key::E),
     (Command::ExportSvg, "as SVG...", CTRL_SHIFT, Key::E),
     (Command::ExportCsv, "as CSV...", CTRL_SHIFT, Key::C),
+    (Command::ExportAnimation, "as animation...", CTRL_SHIFT, Key::G),
     (Command::CloseAll, "Close all recordings", CTRL_SHIFT, Key::W),
     (Command::Undo, "Undo", CTRL, Key::Z),
     (Command::Redo, "Redo", CTRL, Key::Y),
@@ -91,7 +93,7 @@ impl Command {
     pub(crate) fn words(self) -> String {
         match self {
             Self::Show(view) => format!("Show {}", view.name()),
-            Self::ExportPng | Self::ExportSvg | Self::ExportCsv => {
+            Self::ExportPng | Self::ExportSvg | Self::ExportCsv | Self::ExportAnimation => {
                 format!("Export what is seen {}", self.text())
             }
             _ => self.text().to_owned(),

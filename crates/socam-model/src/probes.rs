@@ -3,8 +3,9 @@
 use toml_edit::{Item, Table, value};
 
 use crate::{
-    Model, ModelError, Quantity, effects,
+    Model, ModelError, Quantity,
     edit::{fault, parsed},
+    effects,
 };
 
 /// An output that was added to a model.
@@ -41,9 +42,8 @@ impl Model {
         let springs = parts.map(|spring| (Quantity::Torque, &spring.name));
         let (mut seen, mut probes) = (self.clone(), Vec::new());
         for (quantity, at) in nodes.chain(springs) {
-            let number = (probes.len() + 1..).find(|number| {
-                self.channels.iter().all(|channel| channel.name != format!("probe_{number}"))
-            });
+            let number = (probes.len() + 1..)
+                .find(|number| self.channels.iter().all(|channel| channel.name != format!("probe_{number}")));
             let channel = format!("probe_{}", number.unwrap_or_default());
             let text = add_output(&seen.text, &channel, quantity, at)?;
             let works = |grown: &Self| grown.equations(&grown.values()).is_ok();

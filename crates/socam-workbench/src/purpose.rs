@@ -21,6 +21,8 @@ pub enum Purpose {
     SavePlots,
     /// The picture of a plot.
     SavePicture,
+    /// The animation of a machine.
+    SaveAnimation,
 }
 
 /// Files of other programs that can be opened.
@@ -48,6 +50,7 @@ impl Purpose {
             Self::SaveReport => "Save the report (a new folder)",
             Self::SavePlots => "Save the arrangement of plots (.json)",
             Self::SavePicture => "Save the picture (.png)",
+            Self::SaveAnimation => "Save the animation (.png)",
         }
     }
 
@@ -64,7 +67,7 @@ impl Purpose {
             Self::SaveSignal | Self::SaveModel => &[("TOML", &["toml"])],
             Self::SaveRecording => &[("recordings", &["csv", "m"])],
             Self::SaveJson | Self::SavePlots => &[("JSON", &["json"])],
-            Self::SavePicture => &[("PNG", &["png"])],
+            Self::SavePicture | Self::SaveAnimation => &[("PNG", &["png"])],
             Self::SaveReport => &[],
         }
     }
