@@ -13,7 +13,7 @@ pub(super) fn ui(ui: &mut Ui, form: &mut NewModel, workspace: &mut Workspace) ->
     let text = "From the motor to the load, with | between the parts. It is drawn as you type.";
     ui.add(Label::new(RichText::new(text).color(theme::weak(ui))).wrap());
     ui.add_space(4.0);
-    field(ui, "Name", &mut form.words.name, 1);
+    field(ui, "Name of the model", &mut form.words.name, 1);
     field(ui, "Parts", &mut form.words.chain, 4);
     under(ui, form, Field::Chain);
     field(ui, "Drives", &mut form.words.drives, 1);

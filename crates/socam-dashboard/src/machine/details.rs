@@ -95,6 +95,9 @@ impl Editor {
             if !what.is_empty() && what != name {
                 ui.label(RichText::new(what).color(theme::weak(ui)));
             }
+            if !parameter.source.is_empty() {
+                ui.label(RichText::new(&parameter.source).small().color(theme::weak(ui)));
+            }
         });
         ui.horizontal(|ui| {
             let known = in_file_unit(parameter, parameter.value);
@@ -127,17 +130,11 @@ impl Editor {
                 change = Some((name.clone(), parameter.value, fixed));
             }
         });
-        let own = |value: f64| in_file_unit(parameter, value);
-        let mut about = Vec::new();
-        if let Some([low, high]) = ci95 {
-            let ends = [Some(own(low)), Some(own(high))];
-            about.push(format!("95 % interval {}", interval(Some(own(parameter.value)), ends)));
+        if let Some(ends) = ci95 {
+            let own = |value: f64| Some(in_file_unit(parameter, value));
+            let text = format!("95 % interval {}", interval(own(parameter.value), ends.map(own)));
+            ui.label(RichText::new(text).small().color(theme::weak(ui)));
         }
-        if !parameter.source.is_empty() {
-            about.push(parameter.source.clone());
-        }
-        let text = RichText::new(about.join("; ")).small().color(theme::weak(ui));
-        ui.add(Label::new(text).wrap());
         ui.add_space(3.0);
         change
     }
@@ -164,10 +161,11 @@ fn now(ui: &mut Ui, model: &Model, name: &str, motion: &Motion, time_s: f64) {
     }
     if let Some(spring) = motion.springs.iter().find(|spring| spring.name == name) {
         if let Some(value) = spring.torque.at(time_s) {
-            lines.push(format!("predicted {} {torque}", number(value)));
+            let what = if model.motion == Kind::Rotation { "torque" } else { "force" };
+            lines.push(format!("{what} predicted {} {torque}", number(value)));
         }
         if let Some(value) = spring.power.as_ref().and_then(|own| own.at(time_s)) {
-            lines.push(format!("predicted {} W", number(value)));
+            lines.push(format!("power predicted {} W", number(value)));
         }
     }
     for misfit in motion.misfits.iter().filter(|misfit| misfit.at == name || misfit.channel == name) {

@@ -72,7 +72,7 @@ impl Film {
         let Some(frames) = &mut self.frames else { return };
         let ground = ui.visuals().panel_fill;
         let Some([from, to]) = scene.motion.map(|motion| motion.span_s) else { return };
-        for _ in 0..AT_ONCE {
+        for _ in 0..AT_ONCE.min(FRAMES - frames.len()) {
             let at_s = frames.len() as f64 / f64::from(RATE) * player.speed;
             let time_s = from + (player.time_s - from + at_s).rem_euclid(to - from);
             let shapes = Scene { time_s, ..*scene }.shapes(ui, stand).into_iter();

@@ -226,7 +226,7 @@ impl MachineView {
         let room = ui.available_size();
         let drawing = Drawing::of(model, &marks, bench::style(model, f64::from(room.x)));
         let whole = vec2(drawing.size[0] as f32, drawing.size[1] as f32);
-        let scale = (room.x / whole.x).min((room.y - scene::HEAD) / whole.y).clamp(1.0, LARGEST);
+        let scale = (room.x / whole.x).min((room.y - scene::HEAD) / whole.y).clamp(SMALLEST, LARGEST);
         let size = scale * whole + vec2(0.0, scene::HEAD);
         let scene = Scene {
             model,
@@ -266,7 +266,8 @@ impl MachineView {
     }
 }
 
-/// Greatest magnification of a small drawing.
+/// Least and greatest magnification of a drawing; one that is still too wide is scrolled.
+const SMALLEST: f32 = 0.8;
 const LARGEST: f32 = 1.7;
 
 const HELP: Help = &[
@@ -282,7 +283,7 @@ const HELP: Help = &[
     ("Undo the change; Redo the change", "of the last value that was changed here"),
     ("Open model...; Model", "a model file; a model that is built in, or was used in this window"),
     (
-        "New model...; Name; Parts; Drives; Measured; Words that are understood",
+        "New model...; Name of the model; Parts; Drives; Measured; Words that are understood",
         "a model from a line of words, as `socam-host new` takes them, drawn while they are typed; a mistake stands under its field",
     ),
     ("Use; Back", "makes the new model the one of all views; leaves the form"),

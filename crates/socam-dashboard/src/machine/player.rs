@@ -152,10 +152,11 @@ impl Player {
             let label = ui.label("Speed");
             let slider = Slider::new(&mut self.speed, SPEEDS).logarithmic(true).suffix("×").max_decimals(2);
             ui.add(slider).labelled_by(label.id);
-            self.scales(ui, motions.known());
+            if motions.known().is_none_or(|motion| motion.rotates) {
+                self.scales(ui, motions.known());
+            }
             self.colours(ui, motions);
             self.recordings(ui, entries, recording);
-            answer.films = motions.known().is_some() && ui.button("Save animation...").clicked();
         });
         let text = match (motions.problem(), motions.is_busy()) {
             (Some(problem), _) => RichText::new(problem).color(theme::alarm(ui)),
@@ -171,6 +172,13 @@ impl Player {
             ui.add(Label::new(text).wrap());
         });
         self.strip(ui, recording, span_s);
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(format!("{:.3} s", self.time_s)).monospace());
+            let [from, to] = span_s;
+            let whole = format!("of {from:.3} s to {to:.3} s");
+            ui.label(RichText::new(whole).color(theme::weak(ui)).small());
+            answer.films = motions.known().is_some() && ui.button("Save animation...").clicked();
+        });
         answer
     }
 
@@ -212,7 +220,7 @@ impl Player {
         if entries.len() < 2 {
             return;
         }
-        let list = ComboBox::from_id_salt("played").width(170.0).selected_text(short(&recording.about.name));
+        let list = ComboBox::from_id_salt("played").width(150.0).selected_text(short(&recording.about.name));
         let list = list.show_ui(ui, |ui| {
             for entry in entries {
                 let name = &entry.recording.about.name;
@@ -260,11 +268,6 @@ impl Player {
         let x = at_x(self.time_s);
         painter.vline(x, area.y_range(), Stroke::new(2.0, theme::good(ui)));
         painter.circle_filled(pos2(x, area.top() + 4.0), 4.0, theme::good(ui));
-        ui.horizontal(|ui| {
-            ui.label(RichText::new(format!("{:.3} s", self.time_s)).monospace());
-            let whole = format!("of {from:.3} s to {to:.3} s");
-            ui.label(RichText::new(whole).color(theme::weak(ui)).small());
-        });
     }
 }
 
@@ -341,6 +344,7 @@ mod tests {
             misfits: Vec::new(),
             fastest,
             farthest,
+            rotates: true,
         };
         let player = Player::default();
         assert_eq!(player.angle_scale(&motion(300.0, 300.0)), 0.01);

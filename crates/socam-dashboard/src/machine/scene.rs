@@ -75,7 +75,7 @@ impl Scene<'_> {
             shapes.push(Shape::Rect(RectShape::stroke(area, 5.0, stroke, StrokeKind::Outside)));
             pos2(area.center().x, area.top() - 0.65 * size)
         } else {
-            stand.at(tint.place.middle) + vec2(0.0, 28.0 * stand.scale)
+            stand.at(tint.place.middle) + vec2(0.0, 33.0 * stand.scale)
         };
         shapes.push(words(ui, at, &tint.words, size, ui.visuals().text_color()));
     }
@@ -172,10 +172,10 @@ impl Scene<'_> {
         let by_index = |index: usize| motion.nodes.get(index);
         let middle = stand.at(place.middle);
         let dials: Vec<(Pos2, f32, &NodeMotion)> = match place.kind {
-            ElementKind::Motor => node(&place.name).map(|node| (middle, 18.0, node)).into_iter().collect(),
-            ElementKind::Load => node(&place.name).map(|node| (middle, 15.0, node)).into_iter().collect(),
-            ElementKind::Inertia => node(&place.name).map(|node| (middle, 11.5, node)).into_iter().collect(),
-            ElementKind::Point => node(&place.name).map(|node| (middle, 9.0, node)).into_iter().collect(),
+            ElementKind::Motor => node(&place.name).map(|node| (middle, 20.0, node)).into_iter().collect(),
+            ElementKind::Load => node(&place.name).map(|node| (middle, 20.0, node)).into_iter().collect(),
+            ElementKind::Inertia => node(&place.name).map(|node| (middle, 17.0, node)).into_iter().collect(),
+            ElementKind::Point => node(&place.name).map(|node| (middle, 14.0, node)).into_iter().collect(),
             ElementKind::Gear { .. } => {
                 let Some(gear) = self.model.gears.iter().find(|gear| gear.name == place.name) else { return };
                 let side = |x: f32, radius: f32, index: usize| {
@@ -243,7 +243,6 @@ impl Scene<'_> {
         let at =
             |travel: f64| centre + vec2(half * (travel / farthest.max(1e-300)).clamp(-1.2, 1.2) as f32, 0.0);
         let ends = [centre - vec2(half, 0.0), centre + vec2(half, 0.0)];
-        shapes.push(Shape::line_segment(ends, Stroke::new(5.0, colours.paper)));
         shapes.push(Shape::line_segment(ends, Stroke::new(1.5, colours.soft)));
         for end in [ends[0], centre, ends[1]] {
             let tick = vec2(0.0, 4.0);

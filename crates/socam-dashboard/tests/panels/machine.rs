@@ -63,7 +63,7 @@ fn an_element_shows_what_it_has_and_its_values_are_changed_and_taken_back() {
     window.key_press(egui::Key::Enter);
     window.run_steps(3);
     assert_eq!(value(&window, "stiffness"), (175.0, false));
-    window.get_by_label_contains("stiffness");
+    window.get_by_label_contains("leave the spring out");
     click(&mut window, "motor_speed: speed, predicted by the model");
     window.get_by_label_contains("column motor_speed_rad_s, predicted by the model");
     click(&mut window, "All parameters");
@@ -85,7 +85,7 @@ fn a_new_model_is_described_used_and_saved() {
     write(&mut window, "Measured", "speed@lod");
     window.get_by_label_contains("`speed@lod`");
     write(&mut window, "Measured", "speed@load");
-    write(&mut window, "Name", "axis");
+    write(&mut window, "Name of the model", "axis");
     click(&mut window, "Save...");
     save_as(&mut window, "axis.toml");
     let text = std::fs::read_to_string(folder.path().join("axis.toml")).unwrap();
@@ -110,8 +110,9 @@ fn a_recording_moves_the_machine_beside_its_prediction() {
     window.state_mut().views.machine.player.colouring = Colouring::Torque;
     window.run_steps(2);
     click(&mut window, "shaft: spring with damper");
-    let said =
-        window.get_all_by_label_contains("predicted ").filter_map(|node| node.accesskit_node().value());
+    let said = window
+        .get_all_by_label_contains("torque predicted ")
+        .filter_map(|node| node.accesskit_node().value());
     assert!(said.into_iter().any(|said| said.ends_with(" N m")));
 
     click(&mut window, "Play");

@@ -94,6 +94,8 @@ pub struct Motion {
     pub fastest: f64,
     /// Greatest magnitude of a node's measured travel, rad (m).
     pub farthest: f64,
+    /// Whether the nodes turn; otherwise they slide.
+    pub rotates: bool,
 }
 
 impl Motion {
@@ -121,12 +123,13 @@ impl Motion {
             ));
         }
         let measured = follow::nodes(model, &sensors);
+        let rotates = model.motion == socam_model::Motion::Rotation;
         let each = || measured.iter().flatten();
         let fastest = each().map(|measured| fastest(measured, span_s)).fold(0.0, f64::max);
         let farthest = each().filter_map(Measured::range).map(|[low, high]| low.abs().max(high.abs()));
         let farthest = farthest.fold(0.0, f64::max);
         let nodes = measured.into_iter().map(|measured| NodeMotion { measured, predicted: None }).collect();
-        Ok(Self { span_s, nodes, springs: Vec::new(), misfits: Vec::new(), fastest, farthest })
+        Ok(Self { span_s, nodes, springs: Vec::new(), misfits: Vec::new(), fastest, farthest, rotates })
     }
 }
 
