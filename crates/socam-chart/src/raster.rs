@@ -1,6 +1,7 @@
 //! A picture of the window without a display: egui's triangles, filled in software. The same input gives the same bytes on every
 //! machine.
 
+mod animation;
 mod file;
 
 use egui::epaint::ClippedShape;
@@ -8,6 +9,7 @@ use egui::epaint::{Primitive, Vertex};
 use egui::{ClippedPrimitive, Color32, ColorImage, ImageData, Pos2, Rect, TextureId, TexturesDelta, Vec2};
 use std::collections::HashMap;
 
+pub use animation::animation;
 pub use file::png;
 pub(super) use file::png_with_holes;
 

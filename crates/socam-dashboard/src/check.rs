@@ -5,7 +5,7 @@ pub(crate) mod row;
 use std::collections::BTreeSet;
 
 use egui::{RichText, Ui};
-use socam_recording::check::Check;
+use socam_recording::check::{self, Check};
 
 use crate::platform::{self, CheckOptions, CheckTask};
 use crate::progress::{self, wake};
@@ -16,6 +16,7 @@ use socam_chart::table::Table;
 use socam_chart::theme;
 use socam_workbench::Workspace;
 use socam_workbench::job::{Handle, Job};
+use socam_workbench::rail::{Step, Tone, Verdict};
 use socam_workbench::recording::short;
 
 /// Number of recordings up to which all are unfolded at first.
@@ -38,13 +39,19 @@ impl ViewPanel for Checks {
         egui::CentralPanel::default().show(ui, |ui| self.contents(ui, workspace));
     }
 
-    fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
+    fn poll(&mut self, _: &egui::Context, workspace: &mut Workspace) {
         if let Some((name, job)) = &self.job
             && let Some(result) = job.poll()
         {
             self.known.push((name.clone(), result.and_then(|result| result)));
             self.job = None;
         }
+        let (verdict, recordings) = self.verdict(workspace);
+        workspace.rail.set(Step::Check, verdict, recordings);
+    }
+
+    fn command(&self, workspace: &Workspace) -> Option<String> {
+        self.options.command(workspace.model(), &workspace.entries)
     }
 
     fn is_busy(&self) -> bool {
@@ -60,6 +67,31 @@ impl ViewPanel for Checks {
 }
 
 impl Checks {
+    /// The verdict on the recordings that are shown, and their names.
+    fn verdict(&self, workspace: &Workspace) -> (Verdict, Vec<String>) {
+        let shown: Vec<String> = workspace.shown().map(|(_, own)| own.about.name.clone()).collect();
+        let checked: Vec<&Result<Check, String>> =
+            self.known.iter().filter(|(name, _)| shown.contains(name)).map(|(_, check)| check).collect();
+        let of_model = self.of.as_ref().is_some_and(|(_, revision)| *revision == workspace.revision());
+        if self.job.is_some() {
+            return (Verdict::Running, shown);
+        }
+        if checked.is_empty() || !of_model {
+            return (Verdict::NotDone, shown);
+        }
+        let count =
+            |is: fn(&Check) -> bool| checked.iter().filter(|check| check.as_ref().is_ok_and(is)).count();
+        let fit = count(|check| check.verdict == check::Verdict::Fit);
+        let weak = count(|check| check.verdict == check::Verdict::FitWithReservations);
+        let all = checked.len();
+        let (words, tone) = match (all - fit - weak, weak) {
+            (0, 0) => ("fit for use".to_owned(), Tone::Good),
+            (0, _) => (format!("{weak} of {all} fit with reservations"), Tone::Quiet),
+            (unfit, _) => (format!("{unfit} of {all} not fit for use"), Tone::Alarm),
+        };
+        (Verdict::Done { words, tone }, shown)
+    }
+
     fn contents(&mut self, ui: &mut Ui, workspace: &Workspace) {
         let (entries, model) = (&workspace.entries, workspace.model());
         if entries.is_empty() {

@@ -18,6 +18,7 @@ pub(crate) enum Command {
     ExportPng,
     ExportSvg,
     ExportCsv,
+    ExportAnimation,
     CloseAll,
     Undo,
     Redo,
@@ -50,6 +51,7 @@ const COMMANDS: [(Command, &str, Modifiers, Key); 20] = [
     (Command::ExportPng, "as PNG...", CTRL, Key::E),
     (Command::ExportSvg, "as SVG...", CTRL_SHIFT, Key::E),
     (Command::ExportCsv, "as CSV...", CTRL_SHIFT, Key::C),
+    (Command::ExportAnimation, "as animation...", CTRL_SHIFT, Key::G),
     (Command::CloseAll, "Close all recordings", CTRL_SHIFT, Key::W),
     (Command::Undo, "Undo", CTRL, Key::Z),
     (Command::Redo, "Redo", CTRL, Key::Y),
@@ -101,7 +103,7 @@ impl Command {
     pub(crate) fn words(self) -> String {
         match self {
             Self::Show(view) => format!("Show {}", view.name()),
-            Self::ExportPng | Self::ExportSvg | Self::ExportCsv => {
+            Self::ExportPng | Self::ExportSvg | Self::ExportCsv | Self::ExportAnimation => {
                 format!("Export what is seen {}", self.text())
             }
             _ => self.text().to_owned(),

@@ -4,6 +4,7 @@ mod commands;
 mod frame;
 mod menu;
 mod opening;
+mod rail;
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +17,7 @@ use socam_workbench::entry::Entry;
 use socam_workbench::job::Job;
 use socam_workbench::purpose::Purpose;
 use socam_workbench::recording::Recording;
-use socam_workbench::{Content, Request, View, Workspace};
+use socam_workbench::{Content, Request, Simulate, View, Workspace};
 
 use crate::help;
 use crate::layout::Layout;
@@ -30,12 +31,8 @@ struct Notice {
     grave: bool,
 }
 
-/// Simulates a model with the inputs of the recording of that name; an error is one sentence.
-pub type Simulate = fn(&Model, &str) -> Result<Recording, String>;
-
 /// The dashboard with all its views.
 pub struct Dashboard {
-    simulate: Option<Simulate>,
     /// The layout that is kept from one start to the next.
     pub layout: Layout,
     /// The open recordings and the model.
@@ -80,7 +77,6 @@ impl Dashboard {
         workspace.has_bench = platform::HAS_BENCH;
         workspace.device.clone_from(&layout.device);
         Self {
-            simulate: None,
             layout,
             workspace,
             views,
@@ -103,7 +99,7 @@ impl Dashboard {
 
     /// Sets the function that simulates a model with the inputs of a recording.
     pub fn simulate_by(&mut self, simulate: Simulate) {
-        self.simulate = Some(simulate);
+        self.workspace.simulate = Some(simulate);
     }
 
     /// Errors that have not been dismissed.
@@ -230,6 +226,7 @@ impl Dashboard {
         self.views.get(self.layout.view).bar(ui, &mut self.workspace);
         crate::layout::set_free(&ctx, ui.available_rect_before_wrap());
         self.messages(ui);
+        self.rail(ui);
         self.views.get(self.layout.view).ui(ui, &mut self.workspace, &mut self.seen);
         if let Some(image) = chart::take_picture(&ctx) {
             self.workspace.request(match raster::png(&image) {

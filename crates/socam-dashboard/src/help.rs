@@ -31,6 +31,10 @@ const FRAME: [(&str, Help); 2] = [
                 "Open...; Try the virtual bench",
                 "of a window without recordings: asks for files; connects to a bench in this program",
             ),
+            (
+                "Step ...; Copy the command",
+                "check, identify, diagnose, record next, with the verdict of each for the recordings that are shown; a press shows its view, the right button copies the command that does the same",
+            ),
             ("Cancel", "gives up what is being opened, saved, drawn or diagnosed; nothing is left of it"),
             ("Dismiss", "puts a message away"),
             (

@@ -6,10 +6,12 @@
 //! What a desktop has and a browser lacks (a bench, fits, files of other programs, dialogs) is in the folder `desktop`; `web` is what the
 //! page does instead. One of the two is the module [`platform`], and no other file asks where it runs.
 
+mod bench;
 mod commands;
 mod dashboard;
 mod headless;
 mod layout;
+mod model_choice;
 mod progress;
 mod view;
 
@@ -17,6 +19,7 @@ pub mod check;
 pub mod diagnosis;
 pub mod help;
 pub mod identification;
+pub mod machine;
 pub mod review;
 pub mod spectra;
 
@@ -24,10 +27,10 @@ pub mod spectra;
 #[cfg_attr(target_arch = "wasm32", path = "web/mod.rs")]
 pub mod platform;
 
-pub use dashboard::{Dashboard, Simulate};
+pub use dashboard::Dashboard;
 pub use headless::{Viewport, picture};
 pub use layout::Layout;
 pub use platform::Views;
 pub use progress::wake;
-pub use socam_workbench::View;
+pub use socam_workbench::{Simulate, View};
 pub use view::{Help, ViewPanel};

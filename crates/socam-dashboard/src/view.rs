@@ -34,6 +34,11 @@ pub trait ViewPanel {
         false
     }
 
+    /// The command that does the same as the view with its present set-up; `None` where there is none.
+    fn command(&self, _workspace: &Workspace) -> Option<String> {
+        None
+    }
+
     /// Undoes a change of what it shows.
     fn undo(&mut self, _workspace: &mut Workspace) {}
 

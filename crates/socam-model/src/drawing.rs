@@ -143,6 +143,10 @@ pub struct Place {
     pub name: String,
     /// Name and kind in words.
     pub hint: String,
+    /// Kind of the element.
+    pub kind: ElementKind,
+    /// Middle of its symbol, which the wire runs through; of a channel, the middle of its box.
+    pub middle: Point,
     /// Upper left corner.
     pub from: Point,
     /// Lower right corner.
@@ -180,7 +184,19 @@ impl Drawing {
         }
         let place = |element: &Element| {
             let [from, to] = grid.area(element);
-            Place { name: element.name.clone(), hint: words::hint(element, model.motion), from, to }
+            let y = match row_position(element.kind) {
+                RowPosition::Chain => grid.wire(element),
+                RowPosition::Sensor => 0.5 * (from[1] + to[1]),
+                RowPosition::Grounded => from[1] + 0.5 * grid::GROUNDED,
+            };
+            Place {
+                name: element.name.clone(),
+                hint: words::hint(element, model.motion),
+                kind: element.kind,
+                middle: [grid.middle(element), y],
+                from,
+                to,
+            }
         };
         let places = layout.elements.iter().map(place).collect();
         Self { size: grid.size(&layout), items, places }

@@ -39,6 +39,7 @@ mod builtin;
 pub mod drawing;
 mod edit;
 mod edit_laws;
+mod edit_parameters;
 pub mod effects;
 mod equations;
 mod error;
@@ -49,6 +50,7 @@ mod jet;
 pub mod layout;
 mod model;
 mod network;
+mod probes;
 mod transform;
 
 pub use builtin::BUILTIN;
@@ -61,4 +63,5 @@ pub use model::{
     Bearing, CandidateLaw, Channel, Differential, EffectUse, Gear, LARGEST_VALUE, Model, Motion, Motor, Node,
     Parameter, Prior, Quantity, Role, Servo, Shaft, Site, Spring, Update,
 };
+pub use probes::Probe;
 pub use transform::{ChannelTransform, TransformStart};

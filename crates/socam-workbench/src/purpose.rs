@@ -23,6 +23,8 @@ pub enum Purpose {
     SavePicture,
     /// What the window shows.
     SaveSession,
+    /// The animation of a machine.
+    SaveAnimation,
 }
 
 /// Files of other programs that can be opened.
@@ -51,6 +53,7 @@ impl Purpose {
             Self::SavePlots => "Save the arrangement of plots (.json)",
             Self::SavePicture => "Save the picture (.png)",
             Self::SaveSession => "Save the session (.json)",
+            Self::SaveAnimation => "Save the animation (.png)",
         }
     }
 
@@ -67,7 +70,7 @@ impl Purpose {
             Self::SaveSignal | Self::SaveModel => &[("TOML", &["toml"])],
             Self::SaveRecording => &[("recordings", &["csv", "m"])],
             Self::SaveJson | Self::SavePlots | Self::SaveSession => &[("JSON", &["json"])],
-            Self::SavePicture => &[("PNG", &["png"])],
+            Self::SavePicture | Self::SaveAnimation => &[("PNG", &["png"])],
             Self::SaveReport => &[],
         }
     }

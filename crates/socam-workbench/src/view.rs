@@ -22,6 +22,8 @@ pub enum View {
     Watch,
     /// Results over the recordings of many machines.
     Fleet,
+    /// The model as a drawing that moves as a recording does.
+    Machine,
 }
 
 impl View {
@@ -35,6 +37,7 @@ impl View {
         Self::Diagnosis,
         Self::Watch,
         Self::Fleet,
+        Self::Machine,
     ];
 
     /// The name on its tab.
@@ -49,6 +52,7 @@ impl View {
             Self::Diagnosis => "Diagnosis",
             Self::Watch => "Watch",
             Self::Fleet => "Fleet",
+            Self::Machine => "Machine",
         }
     }
 }

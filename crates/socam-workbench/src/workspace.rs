@@ -13,6 +13,7 @@ use crate::job::Wake;
 use crate::next_run::NextRun;
 use crate::purpose::Purpose;
 use crate::queue::Batch;
+use crate::rail::Rail;
 use crate::recording::Recording;
 use crate::setup::{Chosen, Setup};
 use crate::view::View;
@@ -20,6 +21,9 @@ use crate::watch::WatchState;
 
 /// Writes a folder of that name; an error is one sentence.
 pub type WriteFolder = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
+
+/// Simulates a model with the inputs of a recording; an error is one sentence.
+pub type Simulate = fn(&Model, &Recording) -> Result<Recording, String>;
 
 /// Content that is saved once a place for it is chosen.
 pub enum Content {
@@ -107,6 +111,10 @@ pub struct Workspace {
     pub in_sight: Option<[f64; 2]>,
     /// The state of the watch; `None` while nothing was watched.
     pub watch: Option<WatchState>,
+    /// The verdicts of check, identification and diagnosis.
+    pub rail: Rail,
+    /// How a recording is simulated; `None` where there is no simulator, as in a browser.
+    pub simulate: Option<Simulate>,
 }
 
 impl Workspace {
@@ -129,6 +137,8 @@ impl Workspace {
             recent: Vec::new(),
             in_sight: None,
             watch: None,
+            rail: Rail::default(),
+            simulate: None,
         }
     }
 
@@ -149,6 +159,13 @@ impl Workspace {
         let before = std::mem::replace(&mut self.model, model);
         self.models.retain(|known| known.text != before.text && known.text != self.model.text);
         self.models.push(before);
+        self.revision += 1;
+    }
+
+    /// Replaces the model by an edited one: the one before is not listed among those that were used.
+    pub fn edit_model(&mut self, model: Model) {
+        self.models.retain(|known| known.text != model.text);
+        self.model = model;
         self.revision += 1;
     }
 

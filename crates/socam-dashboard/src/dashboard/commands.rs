@@ -16,7 +16,8 @@ impl Dashboard {
         let is_any_shown = self.workspace.entries.iter().any(|entry| entry.shown);
         match command {
             Command::SaveRecording => is_any_shown,
-            Command::Simulate => self.simulate.is_some() && is_any_shown,
+            Command::Simulate => self.workspace.simulate.is_some() && is_any_shown,
+            Command::ExportAnimation => self.layout.view == View::Machine && self.views.machine.can_film(),
             Command::CloseAll => !self.workspace.entries.is_empty(),
             Command::Undo => self.has_history() || self.workspace.signal.history()[0],
             Command::Redo => self.has_history() || self.workspace.signal.history()[1],
@@ -43,6 +44,7 @@ impl Dashboard {
             Command::ExportPng => self.ask(ctx, Purpose::Export, "view.png"),
             Command::ExportSvg => self.ask(ctx, Purpose::Export, "view.svg"),
             Command::ExportCsv => self.ask(ctx, Purpose::Export, "view.csv"),
+            Command::ExportAnimation => self.views.machine.film(),
             Command::CloseAll => {
                 self.workspace.entries.clear();
                 self.views.time.fit();

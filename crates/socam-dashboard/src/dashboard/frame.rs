@@ -12,7 +12,7 @@ use crate::progress;
 use socam_chart::theme;
 
 /// Width above which menus, tabs, the state of the bench and the emergency stop fit in one row, points.
-const ONE_ROW: f32 = 1140.0;
+const ONE_ROW: f32 = 1215.0;
 
 impl Dashboard {
     /// Menus and tabs at the left, the state of the bench and the emergency stop at the right; the tabs are a row of their own where there

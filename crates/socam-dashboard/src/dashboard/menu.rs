@@ -61,12 +61,15 @@ impl Dashboard {
             ui.menu_button("Open recent", |ui| self.recent_menu(ui));
         }
         self.items(ui, &[Command::SaveSignal, Command::SaveRecording, Command::SaveSession]);
-        if self.simulate.is_some() {
+        if self.workspace.simulate.is_some() {
             self.items(ui, &[Command::Simulate]);
         }
         ui.separator();
         ui.menu_button("Export what is seen", |ui| {
-            self.items(ui, &[Command::ExportPng, Command::ExportSvg, Command::ExportCsv]);
+            self.items(
+                ui,
+                &[Command::ExportPng, Command::ExportSvg, Command::ExportCsv, Command::ExportAnimation],
+            );
         });
         self.items(ui, &[Command::CloseAll]);
     }

@@ -22,14 +22,14 @@ pub(super) type Saved = Result<(PathBuf, Option<Vec<u8>>), String>;
 impl Dashboard {
     /// Simulates the model with the inputs of the shown recordings, and opens the results beside them.
     pub(crate) fn simulate(&mut self, ctx: &Context) {
-        let Some(simulate) = self.simulate else { return };
+        let Some(simulate) = self.workspace.simulate else { return };
         for entry in
             self.workspace.entries.iter().filter(|entry| entry.shown && entry.recording.path().is_some())
         {
-            let (model, run) = (self.workspace.model().clone(), entry.recording.about.name.clone());
-            let title = format!("Simulating {}", short(&run));
+            let (model, own) = (self.workspace.model().clone(), entry.recording.clone());
+            let title = format!("Simulating {}", short(&own.about.name));
             let work = move |_: &Handle| {
-                simulate(&model, &run)
+                simulate(&model, &own)
                     .map(|run| (Document::Recording(run).into(), None))
                     .map_err(|sentence| (sentence, None))
             };
@@ -68,7 +68,8 @@ impl Dashboard {
             | Purpose::SaveJson
             | Purpose::SaveReport
             | Purpose::SavePlots
-            | Purpose::SavePicture => {
+            | Purpose::SavePicture
+            | Purpose::SaveAnimation => {
                 if let Some((path, content)) = files.first().zip(self.content.take()) {
                     self.save_content(path, content);
                     self.note_saved(purpose, path);

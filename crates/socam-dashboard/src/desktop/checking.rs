@@ -43,18 +43,28 @@ impl CheckOptions {
     /// Draws the options, and the command on the open recordings.
     pub(crate) fn ui(&mut self, ui: &mut Ui, model: &Model, entries: &[Entry]) {
         ui.horizontal_wrapped(|ui| self.0.ui(ui));
-        let mut task = match self.0.settings() {
-            Ok(task) => task.clone(),
-            Err(problem) => return drop(ui.label(RichText::new(problem).color(theme::alarm(ui)))),
-        };
+        if let Err(problem) = self.0.settings() {
+            return drop(ui.label(RichText::new(problem).color(theme::alarm(ui))));
+        }
+        if let Some((line, notes)) = self.line(model, entries) {
+            command::ui(ui, &line, &notes);
+        }
+    }
+
+    /// The command on the open recordings.
+    pub(crate) fn command(&self, model: &Model, entries: &[Entry]) -> Option<String> {
+        self.line(model, entries).map(|(line, _)| line)
+    }
+
+    /// The command, and what it lacks.
+    fn line(&self, model: &Model, entries: &[Entry]) -> Option<(String, Vec<String>)> {
+        let mut task = self.task()?;
         let mut notes = Vec::new();
         if task.input.is_none() {
             (task.model, notes) = command::named(model);
         }
         let recordings = entries.iter().map(|entry| &entry.recording);
-        if let Some(line) = command::of(&task, recordings, ("", &[])) {
-            command::ui(ui, &line, &notes);
-        }
+        Some((command::of(&task, recordings, ("", &[]))?, notes))
     }
 }
 

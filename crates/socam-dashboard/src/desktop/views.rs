@@ -6,6 +6,7 @@ use super::identify::Identify;
 use super::live::Live;
 use super::watch::WatchView;
 use crate::check::Checks;
+use crate::machine::MachineView;
 use crate::review::Review;
 use crate::spectra::Spectra;
 use crate::view::views;
@@ -19,6 +20,7 @@ views! {
     Diagnosis: diagnosis = Diagnose;
     Watch: watch = WatchView;
     Fleet: fleet = FleetView;
+    Machine: machine = MachineView;
 }
 
 #[cfg(test)]

@@ -1,21 +1,12 @@
 //! The bench of the model, drawn by [`socam_model::drawing`] as pages have it: findings are framed and numbered, places of competing
 //! explanations are dashed.
 
-use egui::{
-    Align2, Color32, FontId, Rect, Role as Widget, ScrollArea, Sense, Shape as Painted, Stroke, StrokeKind,
-    Ui, Vec2, WidgetInfo, pos2, vec2,
-};
+use egui::{Role as Widget, ScrollArea, Sense, Shape as Painted, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
 use socam_findings::{Diagnosis, headline, words};
 use socam_model::Model;
-use socam_model::drawing::{Drawing, Item, Paint, Place, PlaceMark, Point, Shape, Style};
-use socam_model::layout::Layout;
+use socam_model::drawing::{Drawing, Place, PlaceMark};
 
-use socam_chart::theme;
-
-/// Greatest width of a column, points.
-const WIDEST: f64 = 104.0;
-/// Least width of a column, points; a drawing that needs more room than there is can be scrolled.
-const NARROWEST: f64 = 64.0;
+use crate::bench::{Colours, Stand, painted, style};
 
 /// Height of the drawing of a model, points.
 pub(super) fn height(model: &Model, diagnosis: &Diagnosis, width: f32) -> f32 {
@@ -42,13 +33,14 @@ pub(super) fn bench(
     area.show(ui, |ui| {
         let size = vec2(drawing.size[0] as f32, drawing.size[1] as f32);
         let (area, _) = ui.allocate_exact_size(vec2(size.x.max(width), size.y), Sense::hover());
-        let corner = area.min.to_vec2() + vec2(0.5 * (area.width() - size.x), 0.0);
+        let corner = area.min + vec2(0.5 * (area.width() - size.x), 0.0);
+        let stand = Stand { corner, scale: 1.0 };
         for (index, place) in drawing.places.iter().enumerate() {
-            point_at(ui, (index, place), corner, (&marks, diagnosis), selected);
+            point_at(ui, (index, place), stand, (&marks, diagnosis), selected);
         }
         let colours = Colours::of(ui);
         let shapes: Vec<Painted> =
-            drawing.items.iter().flat_map(|item| painted(ui, item, corner, &colours)).collect();
+            drawing.items.iter().flat_map(|item| painted(ui, item, stand, &colours)).collect();
         ui.painter().extend(shapes);
     });
 }
@@ -62,25 +54,15 @@ fn start(drawing: &Drawing, marks: &[(&str, PlaceMark)], width: f32) -> f32 {
     (middle - 0.5 * width).clamp(0.0, (drawing.size[0] as f32 - width).max(0.0))
 }
 
-/// The chain in lines as on a page, in columns that fill the width.
-fn style(model: &Model, width: f64) -> Style {
-    let style = Style::default();
-    let columns = Layout::wrapped(model, style.columns).columns.max(1);
-    // The margins of a drawing of no width.
-    let margins = Drawing::of(model, &[], style).size[0] - style.column_width * columns as f64;
-    let column_width = ((width - margins) / columns as f64).clamp(NARROWEST, WIDEST);
-    Style { column_width, ..style }
-}
-
 /// Area of an element, which shows the element's name under the pointer and selects the element on a click.
 fn point_at(
     ui: &Ui,
     (index, place): (usize, &Place),
-    corner: Vec2,
+    stand: Stand,
     (marks, diagnosis): (&[(&str, PlaceMark)], &Diagnosis),
     selected: &mut Option<String>,
 ) {
-    let area = Rect::from_min_max(at(place.from, corner).to_pos2(), at(place.to, corner).to_pos2());
+    let area = stand.area(place.from, place.to);
     let response = ui.interact(area, ui.scope_id().with(("element", index)), Sense::click());
     let said = describe(place, marks, diagnosis);
     let label = said.clone();
@@ -108,129 +90,14 @@ fn describe(place: &Place, marks: &[(&str, PlaceMark)], diagnosis: &Diagnosis) -
     text
 }
 
-fn at([x, y]: Point, corner: Vec2) -> Vec2 {
-    vec2(x as f32, y as f32) + corner
-}
-
-/// The colours of the drawing.
-struct Colours {
-    ink: Color32,
-    paper: Color32,
-    soft: Color32,
-    alarm: Color32,
-    alarm_ground: Color32,
-}
-
-impl Colours {
-    fn of(ui: &Ui) -> Self {
-        Self {
-            ink: ui.visuals().text_color(),
-            paper: ui.visuals().extreme_bg_color,
-            soft: theme::weak(ui),
-            alarm: theme::alarm(ui),
-            alarm_ground: theme::alarm_ground(ui),
-        }
-    }
-
-    /// Stroke and fill of a shape.
-    fn of_shape(&self, paint: Paint) -> (Stroke, Color32) {
-        let none = Color32::TRANSPARENT;
-        match paint {
-            Paint::Wire => (Stroke::new(1.8, self.ink), none),
-            Paint::Outline => (Stroke::new(1.5, self.ink), none),
-            Paint::Body => (Stroke::new(1.5, self.ink), self.paper),
-            Paint::Teeth => (Stroke::new(3.0, self.ink), none),
-            Paint::Output => (Stroke::new(1.2, self.soft), self.paper),
-            Paint::Input | Paint::Solid => (Stroke::NONE, self.ink),
-            Paint::Finding => (Stroke::new(2.4, self.alarm), self.alarm_ground),
-            Paint::Rival => (Stroke::new(1.8, self.alarm), none),
-            Paint::Diamond => (Stroke::new(1.0, self.paper), self.alarm),
-            Paint::Name | Paint::Letter | Paint::OutputName | Paint::InputName | Paint::Number => {
-                (Stroke::NONE, self.of_text(paint))
-            }
-        }
-    }
-
-    fn of_text(&self, paint: Paint) -> Color32 {
-        if matches!(paint, Paint::InputName | Paint::Number) { self.paper } else { self.ink }
-    }
-
-    /// Lengths of dashes and gaps of a broken line.
-    fn dashes(paint: Paint) -> Option<[f32; 2]> {
-        match paint {
-            Paint::Teeth => Some([2.6, 2.2]),
-            Paint::Rival => Some([5.0, 4.0]),
-            _ => None,
-        }
-    }
-}
-
-/// A shape in this window.
-fn painted(ui: &Ui, item: &Item, corner: Vec2, colours: &Colours) -> Vec<Painted> {
-    let to = |point: &Point| at(*point, corner).to_pos2();
-    let (stroke, fill) = colours.of_shape(item.paint);
-    let dashes = Colours::dashes(item.paint);
-    match &item.shape {
-        Shape::Line(points) => vec![Painted::line(points.iter().map(to).collect(), stroke)],
-        Shape::Polygon(points) => {
-            vec![Painted::convex_polygon(points.iter().map(to).collect::<Vec<_>>(), fill, stroke)]
-        }
-        Shape::Rect { from, to: end, corner: radius } => {
-            let area = Rect::from_min_max(to(from), to(end));
-            if let Some([dash, gap]) = dashes {
-                let corners = [area.left_top(), area.right_top(), area.right_bottom(), area.left_bottom()];
-                let closed = [&corners[..], &corners[..1]].concat();
-                return Painted::dashed_line(&closed, stroke, dash, gap);
-            }
-            vec![Painted::Rect(egui::epaint::RectShape::new(
-                area,
-                *radius as f32,
-                fill,
-                stroke,
-                StrokeKind::Middle,
-            ))]
-        }
-        Shape::Circle { centre, radius } => {
-            let (centre, radius) = (to(centre), *radius as f32);
-            if let Some([dash, gap]) = dashes {
-                let around = (0..=64).map(|step| centre + radius * Vec2::angled(step as f32 * TURN / 64.0));
-                return Painted::dashed_line(&around.collect::<Vec<_>>(), stroke, dash, gap);
-            }
-            vec![Painted::circle_filled(centre, radius, fill), Painted::circle_stroke(centre, radius, stroke)]
-        }
-        Shape::Text { at: [x, y], text } => {
-            let size = item.paint.text_size() as f32;
-            // The middle of a letter is about a third of its height above its base line.
-            let middle = at([*x, *y], corner) - vec2(0.0, 0.35 * size);
-            let font = FontId::proportional(size);
-            let middle = pos2(middle.x, middle.y);
-            let colour = colours.of_text(item.paint);
-            vec![
-                ui.fonts_mut(|fonts| Painted::text(fonts, middle, Align2::CENTER_CENTER, text, font, colour)),
-            ]
-        }
-    }
-}
-
-const TURN: f32 = std::f32::consts::TAU;
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use socam_chart::theme;
+    use socam_model::drawing::Style;
 
     fn model() -> Model {
         Model::builtin("speed-o-cam").unwrap()
-    }
-
-    /// At every width of the window the chain is wrapped into the same lines as on a page.
-    #[test]
-    fn the_bench_stands_in_the_lines_of_a_page() {
-        let model = model();
-        for width in [300.0, 640.0, 890.0, 2560.0] {
-            let own = style(&model, width);
-            assert_eq!(own.columns, Style::default().columns);
-            assert!((NARROWEST..=WIDEST).contains(&own.column_width), "{width}: {own:?}");
-        }
     }
 
     /// However narrow the room is, the whole frame of the finding is in it.

@@ -6,10 +6,14 @@ mod drawing;
 mod evidence;
 mod findings;
 
+use std::sync::Arc;
+
 use egui::{ScrollArea, Ui};
 use socam_chart::chart::{self, Seen};
+use socam_findings::headline::{self, headline};
 use socam_findings::{Diagnosis, Evidence};
 use socam_model::Model;
+use socam_workbench::rail::{Step, Tone, Verdict};
 use socam_workbench::{Request, Workspace};
 
 use crate::layout;
@@ -30,6 +34,8 @@ pub struct DiagnosisPage {
     selected: Option<String>,
     /// Width of the drawing for which the finding was brought into sight.
     scrolled: Option<f32>,
+    /// Whether the rail has the verdict of what is shown; false too while a diagnosis runs.
+    is_told: bool,
 }
 
 /// A diagnosis with its residuals and model.
@@ -43,6 +49,10 @@ pub(crate) struct Shown {
 impl ViewPanel for DiagnosisPage {
     fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
         self.panels(ui, workspace, seen, EMPTY, |_, _, _| {});
+    }
+
+    fn poll(&mut self, _: &egui::Context, workspace: &mut Workspace) {
+        self.tell(workspace, false);
     }
 
     fn uses_recordings(&self) -> bool {
@@ -101,9 +111,35 @@ impl DiagnosisPage {
         }
     }
 
+    /// Tells the verdict, the findings and what to record next to the rail, once.
+    pub(crate) fn tell(&mut self, workspace: &mut Workspace, is_running: bool) {
+        if is_running {
+            workspace.rail.set(Step::Diagnose, Verdict::Running, []);
+            self.is_told = false;
+            return;
+        }
+        if std::mem::replace(&mut self.is_told, true) {
+            return;
+        }
+        let Some(shown) = &self.shown else {
+            return workspace.rail.set(Step::Diagnose, Verdict::NotDone, []);
+        };
+        let diagnosis = &shown.diagnosis;
+        let headline = headline(diagnosis);
+        let tone = if headline.tone == headline::Tone::Adequate { Tone::Good } else { Tone::Alarm };
+        let recordings = || diagnosis.recordings.iter().map(|own| own.name.clone());
+        workspace.rail.set(Step::Diagnose, Verdict::Done { words: headline.title, tone }, recordings());
+        let next = match &diagnosis.suggested_experiment {
+            Some(next) => next.sentence.clone(),
+            None => "nothing is left to tell apart".into(),
+        };
+        workspace.rail.set(Step::RecordNext, Verdict::Done { words: next, tone: Tone::Quiet }, recordings());
+        workspace.rail.diagnosis = Some(Arc::new(diagnosis.clone()));
+    }
+
     /// Shows a diagnosis of a model.
     pub fn show(&mut self, diagnosis: Diagnosis, evidence: Option<Evidence>, model: Model) {
-        (self.selected, self.scrolled) = (None, None);
+        (self.selected, self.scrolled, self.is_told) = (None, None, false);
         (self.channel, self.recording) = (0, 0);
         // The first picture is the one of the report; without it, the axis is the one that shows the strongest finding best.
         if diagnosis.overlay.is_some() {
@@ -124,7 +160,7 @@ impl DiagnosisPage {
     }
 
     fn pictures(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>, empty: &str) {
-        let Self { shown, sides, over, channel, recording, selected, scrolled } = self;
+        let Self { shown, sides, over, channel, recording, selected, scrolled, .. } = self;
         let Some(Shown { diagnosis, evidence, model }) = shown else {
             chart::empty_state(ui, "No diagnosis yet", empty);
             return;

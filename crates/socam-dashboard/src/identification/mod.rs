@@ -5,6 +5,7 @@ mod result;
 use egui::{ScrollArea, Ui};
 use socam_chart::chart::{self, Seen};
 use socam_workbench::identification::Identification;
+use socam_workbench::rail::{Step, Tone, Verdict};
 use socam_workbench::{Request, View, Workspace};
 
 use crate::view::{Help, ViewPanel};
@@ -21,6 +22,10 @@ impl ViewPanel for IdentificationPage {
         egui::CentralPanel::default().show(ui, |ui| self.contents(ui, workspace, EMPTY));
     }
 
+    fn poll(&mut self, _: &egui::Context, workspace: &mut Workspace) {
+        self.tell(workspace, false);
+    }
+
     fn uses_recordings(&self) -> bool {
         false
     }
@@ -34,6 +39,24 @@ impl IdentificationPage {
     /// Shows an identification.
     pub(crate) fn show(&mut self, identification: Identification) {
         self.shown = Some(identification);
+    }
+
+    /// Tells the verdict to the rail.
+    pub(crate) fn tell(&self, workspace: &mut Workspace, is_running: bool) {
+        let recordings = self.shown.as_ref().map(|shown| shown.recordings.clone()).unwrap_or_default();
+        let verdict = match &self.shown {
+            _ if is_running => Verdict::Running,
+            None => Verdict::NotDone,
+            Some(shown) => {
+                let (words, tone) = match shown.verdict().explains {
+                    Some(true) => ("the model explains them", Tone::Good),
+                    Some(false) => ("the model leaves something out", Tone::Alarm),
+                    None => ("fitted, not judged", Tone::Quiet),
+                };
+                Verdict::Done { words: words.into(), tone }
+            }
+        };
+        workspace.rail.set(Step::Identify, verdict, recordings);
     }
 
     /// Draws the verdict and the tables, or `empty`, what to do where there is none.

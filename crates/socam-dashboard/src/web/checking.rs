@@ -23,6 +23,11 @@ impl CheckOptions {
     }
 
     pub(crate) fn ui(&mut self, _: &mut Ui, _: &Model, _: &[Entry]) {}
+
+    /// A page has no commands.
+    pub(crate) fn command(&self, _: &Model, _: &[Entry]) -> Option<String> {
+        None
+    }
 }
 
 /// Checks a recording against a model.

@@ -3,6 +3,7 @@
 use crate::check::Checks;
 use crate::diagnosis::DiagnosisPage;
 use crate::identification::IdentificationPage;
+use crate::machine::MachineView;
 use crate::review::Review;
 use crate::spectra::Spectra;
 use crate::view::views;
@@ -13,4 +14,5 @@ views! {
     Check: check = Checks;
     Identify: identify = IdentificationPage;
     Diagnosis: diagnosis = DiagnosisPage;
+    Machine: machine = MachineView;
 }

@@ -7,6 +7,7 @@ mod files;
 mod fits;
 mod fleet;
 mod live;
+mod machine;
 mod pictures;
 mod sample;
 mod time;

@@ -18,7 +18,7 @@ const NARROW: Viewport = Viewport { size: [800.0, 600.0], scale: 1.25 };
 const LARGE: Viewport = Viewport { size: [2560.0, 1440.0], scale: 1.0 };
 
 /// Look and size in which each state is drawn here; example `gallery` draws all states in all looks.
-const DRAWN: [(&str, Look, Viewport); 40] = [
+const DRAWN: [(&str, Look, Viewport); 44] = [
     ("time-bench", Look::Dark, SMALL),
     ("time-formula", Look::Light, NARROW),
     ("response-decibel", Look::Light, SMALL),
@@ -59,6 +59,10 @@ const DRAWN: [(&str, Look, Viewport); 40] = [
     ("fleet-findings", Look::Light, NARROW),
     ("fleet-unfit", Look::Dark, SMALL),
     ("fleet-empty", Look::Light, SMALL),
+    ("machine", Look::Light, SMALL),
+    ("machine-empty", Look::Dark, SMALL),
+    ("machine-new", Look::Dark, NARROW),
+    ("machine-sliding", Look::Dark, SMALL),
 ];
 
 #[test]

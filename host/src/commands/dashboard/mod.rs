@@ -43,7 +43,7 @@ pub(crate) struct Args {
     /// Replace the picture, if it exists
     #[arg(long, requires = "screenshot")]
     force: bool,
-    /// View to begin with: live, time, frequency, check, identify (or parameters), diagnosis, watch, fleet
+    /// View to begin with: live, time, frequency, check, identify (or parameters), diagnosis, watch, fleet, machine
     #[arg(long, value_name = "VIEW", value_parser = view)]
     view: Option<View>,
     /// Light theme
@@ -73,6 +73,9 @@ pub(crate) struct Args {
     /// Positions of the cursors A and B in the view over time, s
     #[arg(long, value_name = "A,B", value_delimiter = ',', allow_hyphen_values = true)]
     cursors: Vec<f64>,
+    /// Moment of the recording at which the view of the machine begins, s
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    at: Option<f64>,
     /// Connect to a device at once: sim, serial, serial:PATH, tcp:HOST:PORT
     #[arg(long, value_name = "DEVICE")]
     device: Option<String>,
@@ -195,6 +198,9 @@ fn dashboard(args: &Args, layout: Layout, calibration: Option<Calibration>) -> a
     }
     if let [a, b] = args.cursors[..] {
         dashboard.views.time.cursors = Some([a, b]);
+    }
+    if let Some(time_s) = args.at.filter(|time_s| time_s.is_finite()) {
+        dashboard.views.machine.player.time_s = time_s;
     }
     dashboard.views.time.reference = args.difference.then_some(0);
     Ok(dashboard)

@@ -6,9 +6,9 @@ use socam_sim::{Replay, Start, Truth};
 use socam_workbench::recording::Recording;
 
 /// Simulates the model with the inputs of a recording; an error is one sentence.
-pub(super) fn simulated(model: &Model, run: &str) -> Result<Recording, String> {
+pub(super) fn simulated(model: &Model, recording: &Recording) -> Result<Recording, String> {
     let replay = || -> anyhow::Result<Dataset> {
-        let data = socam_import::open(run)?;
+        let data = recording.dataset().map_err(anyhow::Error::msg)?;
         let truth = Truth::new(model, &[], &[])?;
         let replay = Replay { truth, disturbances: Vec::new(), start: Start::Fitted };
         let done = replay.run(&data)?;

@@ -194,7 +194,8 @@ fn what_the_model_makes_of_a_recordings_inputs_lies_over_it_and_differs_by_its_n
     window.get_by_label("Chart torque_out minus run.mcap, N m");
 
     let model = socam_model::Model::builtin("speed-o-cam").unwrap();
-    let simulated = simulated::simulated(&model, &path).unwrap();
+    let recording = window.state().workspace.entries[0].recording.clone();
+    let simulated = simulated::simulated(&model, &recording).unwrap();
     let channel = simulated.about.channels.iter().position(|channel| channel.name == "torque_out").unwrap();
     let values = simulated.samples.values(channel, 0..simulated.samples.rows());
     let recorded = Dataset::open(&path).unwrap().load(&["torque_out"]).unwrap();

@@ -115,12 +115,23 @@ impl Maker {
             }
             Ok(_) => {}
         }
-        if let (Ok(mut task), Ok(chosen)) = (task, &chosen) {
-            let notes = command::name_model(&mut task.model, workspace.model(), &chosen.model);
-            if let Some(line) = command::of(&task, &chosen.training, ("--holdout", &chosen.held_out)) {
-                command::ui(ui, &line, &notes);
-            }
+        if let Ok(chosen) = &chosen
+            && let Some((line, notes)) = self.line(workspace, chosen)
+        {
+            command::ui(ui, &line, &notes);
         }
+    }
+
+    /// The command that does the same.
+    pub(super) fn command(&self, workspace: &Workspace) -> Option<String> {
+        self.line(workspace, &workspace.chosen().ok()?).map(|(line, _)| line)
+    }
+
+    /// The command, and what it lacks.
+    fn line(&self, workspace: &Workspace, chosen: &Chosen) -> Option<(String, Vec<String>)> {
+        let mut task = self.form.settings().ok()?.clone();
+        let notes = command::name_model(&mut task.model, workspace.model(), &chosen.model);
+        Some((command::of(&task, &chosen.training, ("--holdout", &chosen.held_out))?, notes))
     }
 }
 

@@ -37,11 +37,16 @@ impl ViewPanel for Diagnose {
         });
     }
 
-    fn poll(&mut self, _: &Context, _: &mut Workspace) {
+    fn poll(&mut self, _: &Context, workspace: &mut Workspace) {
         if let Some(answer) = self.maker.poll() {
             self.show(answer.diagnosis, Some(answer.evidence), answer.model);
             self.made = Some(answer.made);
         }
+        self.page.tell(workspace, self.maker.is_busy());
+    }
+
+    fn command(&self, workspace: &Workspace) -> Option<String> {
+        self.maker.command(workspace)
     }
 
     fn is_busy(&self) -> bool {

@@ -1,16 +1,16 @@
 //! The set-up of the next identification or diagnosis.
 
-use egui::{CollapsingHeader, ComboBox, RichText, Ui};
+use egui::{CollapsingHeader, RichText, Ui};
 use socam_chart::theme;
-use socam_model::{BUILTIN, Model};
+use socam_model::Model;
 use socam_workbench::Workspace;
-use socam_workbench::setup::is_built_in;
 
 use super::{parameters, roles};
+use crate::model_choice;
 
 /// Draws the set-up. Returns another model if one was chosen.
 pub(in crate::platform) fn ui(ui: &mut Ui, workspace: &mut Workspace) -> Option<Model> {
-    let wanted = model(ui, workspace);
+    let wanted = model_choice::ui(ui, workspace);
     let (model, revision) = (workspace.model().clone(), workspace.revision());
     let Workspace { setup, entries, .. } = workspace;
     setup.changes.belong_to(revision);
@@ -23,34 +23,4 @@ pub(in crate::platform) fn ui(ui: &mut Ui, workspace: &mut Workspace) -> Option<
     let header = CollapsingHeader::new(setup.changes.summary(&model)).id_salt("start values");
     header.show(ui, |ui| parameters::ui(ui, &mut setup.changes, &model));
     wanted
-}
-
-/// Draws the model that is used, and others to choose: the embedded ones, and those that were open in this window. Returns another model
-/// if one was chosen.
-pub(in crate::platform) fn model(ui: &mut Ui, workspace: &Workspace) -> Option<Model> {
-    let (model, known) = (workspace.model(), workspace.known_models());
-    let mut wanted = None;
-    ui.horizontal(|ui| {
-        let label = ui.label("Model");
-        let shown = ComboBox::from_id_salt("model").width(230.0).selected_text(title(model));
-        let shown = shown.show_ui(ui, |ui| {
-            for (name, text) in BUILTIN {
-                if ui.selectable_label(model.text == *text, format!("{name}, built in")).clicked() {
-                    wanted = Model::builtin(name);
-                }
-            }
-            for other in known.iter().filter(|other| !is_built_in(other)) {
-                if ui.selectable_label(model.text == other.text, title(other)).clicked() {
-                    wanted = Some(other.clone());
-                }
-            }
-        });
-        shown.response.labelled_by(label.id).on_hover_text("A model file is opened with Ctrl+O");
-    });
-    wanted
-}
-
-fn title(model: &Model) -> String {
-    let kind = if is_built_in(model) { "built in" } else { "from a file or a fit" };
-    format!("{}, {kind}", model.name)
 }

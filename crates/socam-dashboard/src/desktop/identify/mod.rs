@@ -48,12 +48,17 @@ impl ViewPanel for Identify {
         });
     }
 
-    fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
+    fn poll(&mut self, _: &egui::Context, workspace: &mut Workspace) {
         if let Some(found) = self.start.poll() {
             self.page.show(found.shown.clone());
             self.pictures = predictions::Pictures::default();
             self.found = Some(found);
         }
+        self.page.tell(workspace, self.start.is_busy());
+    }
+
+    fn command(&self, workspace: &Workspace) -> Option<String> {
+        self.start.command(workspace)
     }
 
     fn is_busy(&self) -> bool {

@@ -75,16 +75,27 @@ impl Start {
         if let Err(why) = &chosen {
             ui.label(RichText::new(why).color(theme::weak(ui)));
         }
-        if let (Ok(mut task), Ok(chosen)) = (task, &chosen) {
-            let notes = command::name_model(&mut task.model, workspace.model(), &chosen.model);
-            if let Some(line) = command::of(&task, &chosen.training, ("--validate", &chosen.held_out)) {
-                command::ui(ui, &line, &notes);
-            }
+        if let Ok(chosen) = &chosen
+            && let Some((line, notes)) = self.line(workspace, chosen)
+        {
+            command::ui(ui, &line, &notes);
         }
         if let Some(problem) = &self.attempt.problem {
             ui.label(RichText::new(problem).color(theme::alarm(ui)));
         }
         ui.separator();
+    }
+
+    /// The command that does the same.
+    pub(super) fn command(&self, workspace: &Workspace) -> Option<String> {
+        self.line(workspace, &workspace.chosen().ok()?).map(|(line, _)| line)
+    }
+
+    /// The command, and what it lacks.
+    fn line(&self, workspace: &Workspace, chosen: &Chosen) -> Option<(String, Vec<String>)> {
+        let mut task = self.task(Some(chosen)).ok()?;
+        let notes = command::name_model(&mut task.model, workspace.model(), &chosen.model);
+        Some((command::of(&task, &chosen.training, ("--validate", &chosen.held_out))?, notes))
     }
 
     /// The settings, or why they cannot be meant.

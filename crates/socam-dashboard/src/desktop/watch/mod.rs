@@ -9,8 +9,8 @@ use egui::{Button, ComboBox, RichText, ScrollArea, Ui};
 use socam_job::Watch;
 use socam_monitoring::{Alarm, Event, Overlay};
 
+use super::fitting::command;
 use super::fitting::options::{First, Form, Layout, Offered};
-use super::fitting::{command, setup};
 use crate::layout;
 use crate::progress::wake;
 use crate::view::{Help, ViewPanel};
@@ -255,7 +255,7 @@ impl WatchView {
             }
             return;
         }
-        if let Some(model) = setup::model(ui, workspace) {
+        if let Some(model) = crate::model_choice::ui(ui, workspace) {
             workspace.request(Request::Model(Box::new(model)));
         }
         self.choose_subject(ui, workspace, subject.as_ref());

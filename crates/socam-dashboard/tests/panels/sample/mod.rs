@@ -2,6 +2,7 @@
 
 pub(crate) mod bench;
 pub(crate) mod fleet;
+pub(crate) mod machine;
 
 mod tiles;
 mod troubled;
@@ -192,7 +193,7 @@ fn diagnosed(look: Look, over: Over) -> Dashboard {
 
 /// The states in which the views are looked at, by name: with data and without, with twelve recordings, with one sample, with long
 /// names, gaps, missing values and spikes, with something wrong.
-pub(crate) const STATES: [&str; 43] = [
+pub(crate) const STATES: [&str; 47] = [
     "time-bench",
     "time-formula",
     "response-decibel",
@@ -235,6 +236,10 @@ pub(crate) const STATES: [&str; 43] = [
     "fleet-findings",
     "fleet-unfit",
     "fleet-empty",
+    "machine",
+    "machine-empty",
+    "machine-new",
+    "machine-sliding",
     "help",
 ];
 
@@ -271,6 +276,7 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "watch" => with_runs(look, View::Watch, 2),
         "fleet" | "fleet-machine" | "fleet-findings" | "fleet-unfit" => fleet::showing(look, name),
         "fleet-empty" => dashboard(look, View::Fleet),
+        "machine" | "machine-empty" | "machine-new" | "machine-sliding" => machine::showing(look, name),
         "help" => with_runs(look, View::Time, 1),
         _ => return None,
     };

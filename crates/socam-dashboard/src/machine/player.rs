@@ -1,0 +1,355 @@
+//! What is played: the recording, the moment, the speed, the scale of angles, and the quantity of the colours.
+
+use egui::{
+    Button, ComboBox, Key, Label, Rect, RichText, Role, Sense, Slider, Stroke, Ui, WidgetInfo, pos2, vec2,
+};
+use socam_chart::theme;
+use socam_samples::envelope;
+use socam_workbench::entry::Entry;
+use socam_workbench::motion::Motion;
+use socam_workbench::recording::{Recording, short};
+
+use super::motions::Motions;
+
+/// The quantity that colours the elements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Colouring {
+    /// No colours.
+    #[default]
+    None,
+    /// How far the prediction is from the channel there.
+    Misfit,
+    /// Torque of springs.
+    Torque,
+    /// Power of springs.
+    Power,
+}
+
+impl Colouring {
+    const ALL: [Self; 4] = [Self::None, Self::Misfit, Self::Torque, Self::Power];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::None => "nothing",
+            Self::Misfit => "misfit",
+            Self::Torque => "torque",
+            Self::Power => "power",
+        }
+    }
+}
+
+/// Scales of the angle; 0 chooses one.
+const SCALES: [f64; 7] = [0.0, 100.0, 10.0, 1.0, 0.1, 0.01, 0.001];
+/// Range of the speed of playing.
+const SPEEDS: std::ops::RangeInclusive<f64> = 0.01..=10.0;
+/// Longest step of a frame, s of the window's clock: a window that stood still does not leap.
+const LONGEST_STEP_S: f32 = 0.1;
+/// Angle per second of the fastest part that the eye follows, rad: half a turn.
+const EASY_RAD_S: f64 = std::f64::consts::PI;
+/// Angle to which the greatest travel of a part that hardly moves is enlarged, rad.
+const SEEN_RAD: f64 = 1.5;
+
+/// What is played, and how.
+#[derive(Debug, Clone)]
+pub struct Player {
+    /// The moment that is drawn, s.
+    pub time_s: f64,
+    /// Whether time goes on.
+    pub plays: bool,
+    /// Seconds of the recording for a second of the clock.
+    pub speed: f64,
+    /// Drawn angle for an angle of the machine; 0 chooses one by the speed.
+    pub scale: f64,
+    /// The quantity that colours the elements.
+    pub colouring: Colouring,
+    /// Name of the recording; the first that is shown where there is none of that name.
+    recording: Option<String>,
+    /// The recording whose time was taken last.
+    of: Option<String>,
+}
+
+impl Default for Player {
+    fn default() -> Self {
+        Self {
+            time_s: f64::NEG_INFINITY,
+            plays: false,
+            speed: 1.0,
+            scale: 0.0,
+            colouring: Colouring::None,
+            recording: None,
+            of: None,
+        }
+    }
+}
+
+/// What was asked for.
+#[derive(Debug, Default)]
+pub(super) struct Answer {
+    pub(super) films: bool,
+}
+
+impl Player {
+    /// The recording that is played: the chosen one, or the first that is shown.
+    pub(super) fn choose(&mut self, entries: &[Entry]) -> Option<Recording> {
+        let named = |entry: &&Entry| Some(&entry.recording.about.name) == self.recording.as_ref();
+        let entry = entries.iter().find(named).or_else(|| entries.iter().find(|entry| entry.shown))?;
+        let recording = entry.recording.clone();
+        let [from, to] = recording.samples.span_s()?;
+        if self.of.as_ref() != Some(&recording.about.name) {
+            self.of = Some(recording.about.name.clone());
+            self.plays = false;
+        }
+        // A moment that was asked for before the recording was open is kept.
+        if !(from..=to).contains(&self.time_s) {
+            self.time_s = self.time_s.clamp(from, to);
+        }
+        Some(recording)
+    }
+
+    /// Drawn angle for an angle of the machine.
+    #[must_use]
+    pub(super) fn angle_scale(&self, motion: &Motion) -> f64 {
+        if self.scale > 0.0 {
+            return self.scale;
+        }
+        let slow = nice(EASY_RAD_S / (motion.fastest * self.speed).max(1e-12));
+        let large = nice(SEEN_RAD / motion.farthest.max(1e-12)).max(1.0);
+        slow.min(large)
+    }
+
+    /// Goes on by the time since the last frame; at the end it begins anew.
+    fn go_on(&mut self, ui: &Ui, [from, to]: [f64; 2]) {
+        if !self.plays {
+            return;
+        }
+        let step_s = ui.input(|input| input.stable_dt.min(LONGEST_STEP_S));
+        self.time_s += f64::from(step_s) * self.speed;
+        if self.time_s > to {
+            self.time_s = from;
+        }
+        ui.ctx().request_repaint();
+    }
+
+    /// Draws the controls and the time line.
+    pub(super) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        entries: &[Entry],
+        recording: &Recording,
+        motions: &mut Motions,
+    ) -> Answer {
+        let mut answer = Answer::default();
+        let span_s = recording.samples.span_s().unwrap_or([0.0, 1.0]);
+        self.go_on(ui, span_s);
+        ui.horizontal_wrapped(|ui| {
+            let word = if self.plays { "Pause" } else { "Play" };
+            if ui.add(Button::new(RichText::new(word).strong()).min_size(vec2(58.0, 0.0))).clicked() {
+                self.plays = !self.plays;
+            }
+            if ui.button("To the start").clicked() {
+                self.time_s = span_s[0];
+            }
+            let label = ui.label("Speed");
+            let slider = Slider::new(&mut self.speed, SPEEDS).logarithmic(true).suffix("×").max_decimals(2);
+            ui.add(slider).labelled_by(label.id);
+            if motions.known().is_none_or(|motion| motion.rotates) {
+                self.scales(ui, motions.known());
+            }
+            self.colours(ui, motions);
+            self.recordings(ui, entries, recording);
+        });
+        let text = match (motions.problem(), motions.is_busy()) {
+            (Some(problem), _) => RichText::new(problem).color(theme::alarm(ui)),
+            (None, true) => {
+                RichText::new("simulating the model with the inputs of this recording").color(theme::weak(ui))
+            }
+            (None, false) => RichText::new(said(motions.known())).color(theme::weak(ui)),
+        };
+        ui.horizontal_wrapped(|ui| {
+            if motions.can_be_predicted() && ui.button("Predict").clicked() {
+                motions.predict();
+            }
+            ui.add(Label::new(text).wrap());
+        });
+        self.strip(ui, recording, span_s);
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(format!("{:.3} s", self.time_s)).monospace());
+            let [from, to] = span_s;
+            let whole = format!("of {from:.3} s to {to:.3} s");
+            ui.label(RichText::new(whole).color(theme::weak(ui)).small());
+            answer.films = motions.known().is_some() && ui.button("Save animation...").clicked();
+        });
+        answer
+    }
+
+    fn scales(&mut self, ui: &mut Ui, motion: Option<&Motion>) {
+        let label = ui.label("Angle");
+        let auto = motion.map_or_else(String::new, |motion| {
+            let automatic = Self { scale: 0.0, ..self.clone() };
+            format!(", {}", times(automatic.angle_scale(motion)))
+        });
+        let title = |scale: f64| if scale > 0.0 { times(scale) } else { format!("auto{auto}") };
+        let list = ComboBox::from_id_salt("angle").width(96.0).selected_text(title(self.scale));
+        let list = list.show_ui(ui, |ui| {
+            for scale in SCALES {
+                ui.selectable_value(&mut self.scale, scale, title(scale));
+            }
+        });
+        list.response.labelled_by(label.id);
+    }
+
+    fn colours(&mut self, ui: &mut Ui, motions: &Motions) {
+        let label = ui.label("Colour by");
+        let is_predicted =
+            motions.known().is_some_and(|motion| !motion.misfits.is_empty() || !motion.springs.is_empty());
+        let list = ComboBox::from_id_salt("colour").width(72.0).selected_text(self.colouring.name());
+        let list = list.show_ui(ui, |ui| {
+            for colouring in Colouring::ALL {
+                let can = is_predicted || colouring == Colouring::None;
+                let choice = Button::selectable(self.colouring == colouring, colouring.name());
+                let choice = ui.add_enabled(can, choice);
+                if choice.on_disabled_hover_text("needs a prediction of the model").clicked() {
+                    self.colouring = colouring;
+                }
+            }
+        });
+        list.response.labelled_by(label.id);
+    }
+
+    fn recordings(&mut self, ui: &mut Ui, entries: &[Entry], recording: &Recording) {
+        if entries.len() < 2 {
+            return;
+        }
+        let list = ComboBox::from_id_salt("played").width(150.0).selected_text(short(&recording.about.name));
+        let list = list.show_ui(ui, |ui| {
+            for entry in entries {
+                let name = &entry.recording.about.name;
+                if ui.selectable_label(*name == recording.about.name, short(name)).clicked() {
+                    self.recording = Some(name.clone());
+                }
+            }
+        });
+        list.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Played recording"));
+    }
+
+    /// The whole recording with the moment that is drawn: a press or the arrow keys choose another.
+    fn strip(&mut self, ui: &mut Ui, recording: &Recording, [from, to]: [f64; 2]) {
+        let (area, response) =
+            ui.allocate_exact_size(vec2(ui.available_width(), STRIP), Sense::click_and_drag());
+        let at_x = |time: f64| area.left() + area.width() * ((time - from) / (to - from)) as f32;
+        if let Some(pointer) =
+            response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on())
+        {
+            let share = f64::from(((pointer.x - area.left()) / area.width()).clamp(0.0, 1.0));
+            self.time_s = from + share * (to - from);
+            response.request_focus();
+        }
+        if response.has_focus() {
+            let step = |key: Key| f64::from(ui.input(|input| input.num_presses(key) as u32));
+            let presses = step(Key::ArrowRight) - step(Key::ArrowLeft);
+            self.time_s = (self.time_s + presses * 0.01 * (to - from)).clamp(from, to);
+            // The arrows move the moment, not the focus.
+            ui.memory_mut(|memory| {
+                let filter = egui::EventFilter { horizontal_arrows: true, ..egui::EventFilter::default() };
+                memory.set_focus_lock_filter(response.id, filter);
+            });
+        }
+        let value = self.time_s;
+        response.widget_info(|| WidgetInfo::slider(true, value, "Time line"));
+        let painter = ui.painter_at(area.expand(1.0));
+        painter.rect_filled(area, 3.0, ui.visuals().extreme_bg_color);
+        let frame = if response.has_focus() {
+            ui.visuals().selection.stroke
+        } else {
+            Stroke::new(1.0, theme::grid(ui))
+        };
+        painter.rect_stroke(area, 3.0, frame, egui::StrokeKind::Inside);
+        outline(ui, recording, area, [from, to]);
+        let x = at_x(self.time_s);
+        painter.vline(x, area.y_range(), Stroke::new(2.0, theme::good(ui)));
+        painter.circle_filled(pos2(x, area.top() + 4.0), 4.0, theme::good(ui));
+    }
+}
+
+/// Height of the time line, points.
+const STRIP: f32 = 38.0;
+
+/// The first channel that moves, along the time line.
+fn outline(ui: &Ui, recording: &Recording, area: Rect, [from, to]: [f64; 2]) {
+    let samples = &recording.samples;
+    let moves = |channel: &usize| {
+        let unit = recording.about.channels[*channel].unit.symbol();
+        ["rad/s", "rad", "m/s", "m"].contains(&unit)
+    };
+    let Some(channel) = (0..samples.channels()).find(moves) else { return };
+    let Some([low, high]) = samples.extremes(channel, 0..samples.rows()).filter(|[low, high]| high > low)
+    else {
+        return;
+    };
+    let room = area.shrink2(vec2(0.0, 5.0));
+    let stroke = Stroke::new(1.0, theme::weak(ui));
+    for part in envelope(samples, channel, from, to, area.width() as usize).parts {
+        let point = |[time, value]: [f64; 2]| {
+            let x = area.left() + area.width() * ((time - from) / (to - from)) as f32;
+            pos2(x, room.bottom() - room.height() * ((value - low) / (high - low)) as f32)
+        };
+        ui.painter_at(area).line(part.into_iter().map(point).collect(), stroke);
+    }
+}
+
+/// What is drawn, in words.
+fn said(motion: Option<&Motion>) -> &'static str {
+    match motion {
+        Some(motion) if motion.nodes.iter().any(|node| node.predicted.is_some()) => {
+            "Spokes: measured (thin where the nearest sensor is beyond a spring). Hollow needles: predicted."
+        }
+        Some(_) => {
+            "Spokes: measured (thin where the nearest sensor is beyond a spring). Nothing is predicted."
+        }
+        None => "",
+    }
+}
+
+/// A scale as text: `×10`, `1/50`.
+pub(super) fn times(scale: f64) -> String {
+    if scale < 1.0 { format!("1/{:.0}", 1.0 / scale) } else { format!("×{scale:.0}") }
+}
+
+/// The greatest of 1, 2, 5, 10, ... (and their inverses) that is not above a value.
+fn nice(value: f64) -> f64 {
+    let decade = 10_f64.powf(value.log10().floor());
+    let step = [5.0, 2.0, 1.0].into_iter().find(|step| step * decade <= value * (1.0 + 1e-9)).unwrap_or(1.0);
+    (step * decade).clamp(1e-6, 1e6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scales_are_round_and_read_well() {
+        assert_eq!(
+            [nice(0.07), nice(1.0), nice(4.9), nice(31.0)].map(|scale| times(scale)),
+            ["1/20", "×1", "×2", "×20"]
+        );
+    }
+
+    /// A fast motor is slowed down, a part that hardly moves is enlarged.
+    #[test]
+    fn the_scale_follows_the_motion() {
+        let motion = |fastest: f64, farthest: f64| Motion {
+            span_s: [0.0, 1.0],
+            nodes: Vec::new(),
+            springs: Vec::new(),
+            misfits: Vec::new(),
+            fastest,
+            farthest,
+            rotates: true,
+        };
+        let player = Player::default();
+        assert_eq!(player.angle_scale(&motion(300.0, 300.0)), 0.01);
+        assert_eq!(player.angle_scale(&motion(0.1, 0.02)), 20.0);
+        assert_eq!(Player { speed: 0.01, ..player.clone() }.angle_scale(&motion(300.0, 300.0)), 1.0);
+        assert_eq!(Player { scale: 0.1, ..player }.angle_scale(&motion(300.0, 300.0)), 0.1);
+    }
+}
