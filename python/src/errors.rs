@@ -45,6 +45,7 @@ impl Raised for JobError {
             | Self::NoModel { .. }
             | Self::Read { .. }
             | Self::ModelFile { .. }
+            | Self::Description(_)
             | Self::Model(_) => ModelError::new_err(sentence),
             Self::Recording(_) | Self::Import(_) | Self::Compare(_) => RecordingError::new_err(sentence),
             Self::Simulation(_) | Self::Design(_) => SimulationError::new_err(sentence),

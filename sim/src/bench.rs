@@ -7,7 +7,7 @@ use socam_recording::Channel;
 use crate::SimError;
 use crate::drive::{self, Drive};
 use crate::fault::{FaultyChannel, Instant};
-use crate::gearmotor::{Gearmotor, SupplyRows};
+use crate::gearmotor::{Gearmotor, SupplyRows, VOLTAGE_ROW};
 use crate::plant::{Effort, Plant, Trajectory};
 use crate::sensors::Sensor;
 use crate::setup::{Plants, Setup};
@@ -151,6 +151,9 @@ impl<'p> Bench<'p> {
                 self.settles_at = gearmotor.applied(&self.outputs);
             }
             for (row, value) in self.outputs.iter().enumerate() {
+                // A mean since the conversion before belongs to the middle of that time.
+                let is_mean = row == VOLTAGE_ROW && self.gearmotor.is_some();
+                let share = if is_mean { share - 0.5 / f64::from(CONVERSIONS) } else { share };
                 falling[row] += value * (1.0 - share) / f64::from(CONVERSIONS);
                 self.rising[row] += value * share / f64::from(CONVERSIONS);
             }

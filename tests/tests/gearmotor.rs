@@ -35,7 +35,7 @@ fn path(folder: &tempfile::TempDir, name: &str) -> String {
 fn calibration(folder: &tempfile::TempDir, motor: &str, output: &str) -> String {
     let text = run(["template", "calibration", "gearmotor"]).done();
     let changed = text
-        .replace("counts_per_turn = 64", &format!("counts_per_turn = {motor}"))
+        .replace("counts_per_turn = 1024", &format!("counts_per_turn = {motor}"))
         .replace("counts_per_turn = 2400", &format!("counts_per_turn = {output}"));
     assert_ne!(changed, text);
     let file = path(folder, "wiring.toml");
@@ -46,8 +46,8 @@ fn calibration(folder: &tempfile::TempDir, motor: &str, output: &str) -> String 
 #[test]
 fn a_first_run_finds_wrong_wires_and_the_run_after_it_is_right() {
     let folder = tempfile::tempdir().unwrap();
-    // The motor's encoder has 48 counts, not 64, and its wires are swapped.
-    let wiring = calibration(&folder, "-48", "2400");
+    // The motor's encoder has 500 counts, not 1024, and its wires are swapped.
+    let wiring = calibration(&folder, "-500", "2400");
     let (mine, log) = (path(&folder, "mine.toml"), path(&folder, "run.mcap"));
     let record = |more: &[&str]| {
         let (_board, device) = wired(&wiring);
@@ -63,7 +63,7 @@ fn a_first_run_finds_wrong_wires_and_the_run_after_it_is_right() {
 
     let (_board, device) = wired(&wiring);
     let said = run(["first-run", "--device", &device, "-o", &mine]).done();
-    assert!(said.contains("48 counts per turn by its index, counts against the voltage"), "{said}");
+    assert!(said.contains("500 counts per turn by its index, counts against the voltage"), "{said}");
     assert!(said.contains("2400 counts per turn, counts with the voltage"), "{said}");
     let number = |what: &str| {
         let line = said.lines().find(|line| line.starts_with(what)).unwrap_or_else(|| panic!("{said}"));
@@ -84,24 +84,46 @@ fn a_first_run_finds_wrong_wires_and_the_run_after_it_is_right() {
     assert_eq!((&recorded["end"], &recorded["lost"]), (&"finished".into(), &0.into()), "{recorded}");
 }
 
+/// Records the default gearmotor for 6 s.
+#[cfg(feature = "full")]
+fn record_bench(log: &str, more: &[&str]) {
+    let arguments =
+        ["record", "-o", log, "--device", "sim", "--model", "gearmotor", "--profile", "gearmotor"];
+    let _ = run(arguments.iter().chain(&["--duration", "6s"]).chain(more)).done();
+}
+
 #[cfg(feature = "full")]
 #[test]
-fn winding_gear_friction_and_play_are_in_their_intervals() {
+fn a_friction_that_is_concealed_at_the_load_is_found_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, held) = (path(&folder, "run.mcap"), path(&folder, "held.mcap"));
+    let hide = ["--hide", "coulomb_friction@load_bearing:torque=0.05"];
+    record_bench(&log, &hide);
+    record_bench(&held, &[&hide[..], &["--seed", "2"]].concat());
+    let document = run(["diagnose", &log, "--holdout", &held, "--model", "gearmotor", "--json"]).json();
+    let finding = &document["findings"][0];
+    assert_eq!(finding["location"], "load_bearing", "{}", document["findings"]);
+    let torque = &finding["parameters"][0];
+    assert_eq!(torque["name"], "torque", "{finding}");
+    assert!((torque["value"].as_f64().unwrap() - 0.05).abs() < 0.002, "{finding}");
+}
+
+#[cfg(feature = "full")]
+#[test]
+fn winding_gear_friction_and_shaft_are_in_their_intervals() {
     let folder = tempfile::tempdir().unwrap();
     let log = path(&folder, "run.mcap");
-    let arguments =
-        ["record", "-o", &log, "--device", "sim", "--model", "gearmotor", "--profile", "gearmotor"];
-    let _ = run(arguments.iter().chain(&["--duration", "12s"])).done();
+    record_bench(&log, &[]);
     let result = run(["identify", &log, "--model", "gearmotor", "--json"]).json();
     for (name, truth) in [
         ("R", 2.2),
         ("kt", 0.011),
         ("J_motor", 2e-6),
+        ("d_motor", 2e-6),
         ("friction_motor", 1.5e-3),
-        ("friction_load", 0.02),
         ("ratio", 30.0),
-        ("play", 0.02),
-        ("J_load", 1.2e-3),
+        ("k_shaft", 40.0),
+        ("c_shaft", 0.03),
     ] {
         let (low, high) = interval(&result, name);
         println!("measured: {name}: {truth} in [{low}, {high}]");
@@ -120,7 +142,7 @@ fn interval(result: &serde_json::Value, name: &str) -> (f64, f64) {
 fn a_board_is_not_read_with_the_calibration_of_another_kind() {
     let folder = tempfile::tempdir().unwrap();
     let log = path(&folder, "run.mcap");
-    let file = calibration(&folder, "64", "2400");
+    let file = calibration(&folder, "500", "2400");
     let arguments = ["record", "-o", &log, "--device", "sim", "--profile", "steps", "--calibration", &file];
     let ran = run(arguments);
     assert_eq!(ran.code, Some(1));

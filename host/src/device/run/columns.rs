@@ -88,12 +88,12 @@ mod tests {
         for step in 0..6 {
             let mut counts = [0; MAX_CHANNELS];
             counts[0] =
-                (i32::MAX - 2000).wrapping_add(if step < 4 { step * 1024 } else { (7 - step) * 1024 });
+                (i32::MAX - 32000).wrapping_add(if step < 4 { step * 16384 } else { (7 - step) * 16384 });
             let mut values = Vec::new();
             columns.read(&calibration, &Sample { counts, ..Sample::default() }, MAX_CHANNELS, &mut values);
             angles.push(values[1]);
         }
-        // 1024 sixteenths of a count are a turn of 64.
+        // 16384 sixteenths of a count are a turn of 1024.
         let turns: Vec<f64> =
             angles.windows(2).map(|pair| (pair[1] - pair[0]) / std::f64::consts::TAU).collect();
         for (turn, expected) in turns.iter().zip([1.0, 1.0, 1.0, 0.0, -1.0]) {
