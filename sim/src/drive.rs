@@ -14,6 +14,9 @@ const ARMATURE_LAG_S: f64 = 2e-3;
 /// Time constant of a current loop: much shorter than those of the mechanics.
 const TORQUE_LAG_S: f64 = 0.5e-3;
 
+/// Time constant of an H-bridge that is modulated at 20 kHz, twice in series.
+const BRIDGE_LAG_S: f64 = 25e-6;
+
 /// Time constant of a reference generator: long enough not to excite a stiff servo at every sample.
 const REFERENCE_LAG_S: f64 = 5e-3;
 
@@ -65,6 +68,17 @@ impl Drive {
             lag_s,
             armature_lag_s: ARMATURE_LAG_S,
             droop: DROOP,
+            torque_per_current: TORQUE_PER_CURRENT,
+        }
+    }
+
+    /// An H-bridge: its average voltage follows the command within a period of its modulation.
+    pub fn bridge() -> Self {
+        Self {
+            answer: Answer::Proportional(1.0),
+            lag_s: BRIDGE_LAG_S,
+            armature_lag_s: BRIDGE_LAG_S,
+            droop: 0.0,
             torque_per_current: TORQUE_PER_CURRENT,
         }
     }
