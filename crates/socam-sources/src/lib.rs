@@ -9,6 +9,7 @@
 //! | [`text`] | lines of text: CSV, `key:value`, JSON, as sent by an Arduino, a Pico or a script; frames of bytes by COBS |
 //! | [`moteus`] | a moteus servo drive behind an fdcanusb |
 //! | [`odrive`] | an ODrive by its protocol of text |
+//! | [`dynamixel`] | a Dynamixel servo by its protocol 2; only asked |
 //! | `can` | a CAN bus behind an adapter that speaks slcan, whose signals a DBC describes; only listened to |
 //! | [`simulators`] | simulations of these drives, for tests and rehearsals |
 //!
@@ -24,6 +25,7 @@ mod commanded;
 mod description;
 mod device;
 mod drive;
+pub mod dynamixel;
 mod error;
 pub mod moteus;
 pub mod odrive;

@@ -1,9 +1,12 @@
 //! Drives against their simulations: what is asked is answered, and what no drive answers becomes no sample.
 
 use proptest::prelude::*;
+use socam_sources::dynamixel::Dynamixel;
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
-use socam_sources::simulators::{Firmware, Mishap, MoteusSimulator, Motor, OdriveSimulator};
+use socam_sources::simulators::{
+    DynamixelSimulator, Firmware, Mishap, MoteusSimulator, Motor, OdriveSimulator,
+};
 use socam_sources::{Chunk, Device, Heard, Row};
 
 fn motor() -> Motor {
@@ -86,6 +89,46 @@ fn an_odrive_of_either_generation_is_recorded() {
 }
 
 #[test]
+fn a_dynamixel_is_recorded_in_the_units_of_its_model() {
+    for (model, current_a) in [(1020, Some(2.0)), (1060, None)] {
+        let mut device = Dynamixel::new(7, PERIOD_NS).unwrap();
+        let mut drive = DynamixelSimulator::new(7, model, motor());
+        let heard = ask(&mut device, 1.0, |time_s, bytes| drive.receive(time_s, bytes), |_, answer| answer);
+        let rows = rows(&heard);
+        // The first question is for the model.
+        assert!((995..=1000).contains(&rows.len()) && drive.commands == 0, "{}", rows.len());
+        let row = rows[900];
+        assert!((row.values[1] - 12.5).abs() < 0.013, "{row:?}");
+        assert_eq!((row.values[3], row.values[4], row.values[5]), (24.0, 308.15, 0.0));
+        let expected = 12.5 * (row.arrival_ns - row.spread_ns) as f64 * 1e-9;
+        assert!((row.values[0] - expected).abs() < 0.01, "{} for {expected}", row.values[0]);
+        match current_a {
+            Some(current_a) => assert!((row.values[2] - current_a).abs() < 2e-3, "{row:?}"),
+            None => {
+                assert!(row.values[2].is_nan());
+                assert!(
+                    heard
+                        .iter()
+                        .any(|heard| matches!(heard, Heard::Talk(text) if text.contains("model 1060")))
+                );
+            }
+        }
+    }
+    let mut device = Dynamixel::new(7, PERIOD_NS).unwrap();
+    let mut drive = DynamixelSimulator::new(7, 1020, motor());
+    drive.error = 0x80;
+    let damage = |turn: usize, mut answer: Vec<u8>| {
+        if turn == 50 {
+            answer[12] ^= 4;
+        }
+        answer
+    };
+    let heard = ask(&mut device, 0.2, |time_s, bytes| drive.receive(time_s, bytes), damage);
+    assert_eq!(heard.iter().filter(|heard| matches!(heard, Heard::Fault(_))).count(), 1);
+    assert!(heard.contains(&Heard::Damaged("the checksum of a packet is wrong")));
+}
+
+#[test]
 fn lost_and_damaged_answers_are_counted() {
     let mut device = Moteus::new(1, PERIOD_NS).unwrap();
     let mut drive = MoteusSimulator::new(1, motor());
@@ -104,6 +147,7 @@ fn lost_and_damaged_answers_are_counted() {
 #[test]
 fn drives_that_cannot_be_are_refused() {
     assert!(Moteus::new(0, 1).is_err() && Moteus::new(200, 1).is_err() && Odrive::new(2, 1).is_err());
+    assert!(Dynamixel::new(253, 1).is_err());
 }
 
 proptest! {
@@ -111,8 +155,12 @@ proptest! {
 
     #[test]
     fn any_bytes_of_a_drive_are_survived(bytes in proptest::collection::vec(any::<u8>(), 0..200), digits in "[0-9A-F]{0,140}") {
-        for device in [&mut Moteus::new(1, 1).unwrap() as &mut dyn Device, &mut Odrive::new(0, 1).unwrap()] {
-            for bytes in [bytes.clone(), format!("\nrcv 0100 {digits} E B F\n{digits} 1\n2\n3\n4\n").into_bytes()] {
+        for device in [
+            &mut Moteus::new(1, 1).unwrap() as &mut dyn Device,
+            &mut Odrive::new(0, 1).unwrap(),
+            &mut Dynamixel::new(1, 1).unwrap(),
+        ] {
+            for bytes in [bytes.clone(), [[0xff, 0xff, 0xfd, 0, 1].as_slice(), &bytes].concat(), format!("\nrcv 0100 {digits} E B F\n{digits} 1\n2\n3\n4\n").into_bytes()] {
                 let mut heard = Vec::new();
                 device.receive(Chunk { bytes: &bytes, from_ns: 0, until_ns: 1 }, &mut heard);
                 for row in rows(&heard) {

@@ -53,7 +53,7 @@ pub(crate) struct Args {
     output: Option<PathBuf>,
     /// Board: serial (the one on USB), serial:PATH, tcp:HOST:PORT, or sim (a virtual one). Lines of text of another device:
     /// serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT. Drives, asked or, with --arm, commanded: moteus:PATH?id=1 (an
-    /// fdcanusb), odrive:PATH?axis=0 (USB). A CAN bus with --dbc, only listened to: slcan:PATH?bitrate=500k
+    /// fdcanusb), odrive:PATH?axis=0 (USB). A servo, only asked: dynamixel:PATH?id=1&baud=57600. A CAN bus with --dbc, only listened to: slcan:PATH?bitrate=500k
     #[arg(long, value_name = "DEVICE", required_unless_present = "list_profiles")]
     device: Option<Target>,
     #[command(flatten)]

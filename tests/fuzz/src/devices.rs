@@ -1,7 +1,11 @@
 //! What devices other than the own board send.
 
 use std::path::Path;
+use std::sync::Arc;
 
+use socam_import::CanSignals;
+use socam_sources::can::{CanBus, survey};
+use socam_sources::dynamixel::Dynamixel;
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
 use socam_sources::text::{Bounds, TextDevice, probe};
@@ -51,12 +55,39 @@ pub(crate) fn frames(input: Input<'_>) -> bool {
     is_heard(input.bytes, || TextDevice::new(description.clone(), Bounds::Ends))
 }
 
-/// Answers of a moteus, and of an ODrive.
+/// Answers of a moteus, of an ODrive and of a Dynamixel.
 pub(crate) fn drives(input: Input<'_>) -> bool {
     let (Ok(_), Ok(_)) = (Moteus::new(1, 1), Odrive::new(0, 1)) else { return false };
     let moteus = || Moteus::new(1, 1).expect("a number of a moteus");
     let odrive = || Odrive::new(0, 1).expect("an axis of an ODrive");
-    is_heard(input.bytes, moteus) | is_heard(input.bytes, odrive)
+    let dynamixel = || Dynamixel::new(1, 1).expect("a number of a Dynamixel");
+    is_heard(input.bytes, moteus) | is_heard(input.bytes, dynamixel) | is_heard(input.bytes, odrive)
+}
+
+/// Frames of an adapter of CAN, by the DBC of the other parsers.
+pub(crate) fn slcan(input: Input<'_>) -> bool {
+    let dbc = input.path.with_extension("dbc");
+    if !dbc.exists() && std::fs::write(&dbc, crate::seeds::DBC).is_err() {
+        return false;
+    }
+    let Ok(signals) = CanSignals::open(&dbc) else { return false };
+    let (signals, bytes) = (Arc::new(signals), input.bytes);
+    let chunk = Chunk { bytes, from_ns: 0, until_ns: 1_500_000_000 };
+    let found = || survey(&[chunk], signals.clone());
+    if found().is_err() {
+        return false;
+    }
+    let bus = || CanBus::new(found().expect("what was found once"), Vec::new());
+    let _ = rows(bus(), bytes, 7);
+    !rows(bus(), bytes, bytes.len()).is_empty()
+}
+
+pub(crate) fn slcan_seeds(_: &Path) -> Vec<Vec<u8>> {
+    let frame = |k: u32| format!("t1018{k:02X}00010203040506{:04X}\rF00\r", 2 * k);
+    vec![
+        (0..40).map(frame).collect::<String>().into_bytes(),
+        (0..20).map(|k| format!("t1018{k:02X}00010203040506\r")).collect::<String>().into_bytes(),
+    ]
 }
 
 pub(crate) fn line_seeds(_: &Path) -> Vec<Vec<u8>> {

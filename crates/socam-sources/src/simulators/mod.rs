@@ -1,10 +1,12 @@
 //! Simulations of drives that answer as the real ones do and obey commands as they do, and of an adapter of CAN, for tests and rehearsals.
 
+mod dynamixel;
 mod moteus;
 mod motor;
 mod odrive;
 mod slcan;
 
+pub use dynamixel::DynamixelSimulator;
 pub use moteus::MoteusSimulator;
 pub use motor::{Inertia, Mishap, Motor};
 pub use odrive::{Firmware, OdriveSimulator};

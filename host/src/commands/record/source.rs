@@ -6,6 +6,7 @@ use std::str::FromStr;
 
 use socam_monitoring::Monitor;
 use socam_recording::{MACHINE_KEY, RecordingHeader};
+use socam_sources::dynamixel::Dynamixel;
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
 use socam_sources::text::{Found, TextDevice};
@@ -49,15 +50,16 @@ impl FromStr for Target {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let is_other =
-            ["text+", "udp:", "moteus:", "odrive:", "slcan:"].iter().any(|kind| text.starts_with(kind))
-                || text.contains("?baud=");
+        let is_other = ["text+", "udp:", "moteus:", "odrive:", "slcan:", "dynamixel:"]
+            .iter()
+            .any(|kind| text.starts_with(kind))
+            || text.contains("?baud=");
         if is_other {
             return text.parse().map(Self::Source);
         }
         let board = text.parse().map(Self::Board);
         board.map_err(|error: String| {
-            format!("{error}; or another device: serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT, moteus:PATH?id=1, odrive:PATH?axis=0, slcan:PATH?bitrate=500k")
+            format!("{error}; or another device: serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT, moteus:PATH?id=1, odrive:PATH?axis=0, slcan:PATH?bitrate=500k, dynamixel:PATH?id=1")
         })
     }
 }
@@ -136,6 +138,7 @@ fn open(
     let asked: Box<dyn socam_sources::Device> = match address.protocol {
         Protocol::Moteus(id) => Box::new(Moteus::new(id, period_ns)?),
         Protocol::Odrive(axis) => Box::new(Odrive::new(axis, period_ns)?),
+        Protocol::Dynamixel(id) => Box::new(Dynamixel::new(id, period_ns)?),
         Protocol::Slcan(bitrate) => {
             refuse_description(&args.source)?;
             return can::open(link, &name, bitrate, args.source.dbc.as_deref(), interrupt);

@@ -6,6 +6,8 @@ use crate::device::Device;
 
 /// Rate of a serial line that states none; USB ignores it.
 const BAUD: u32 = 115_200;
+/// Rate at which a Dynamixel leaves its factory.
+const DYNAMIXEL_BAUD: u32 = 57_600;
 
 /// Protocol of a source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,6 +18,8 @@ pub(crate) enum Protocol {
     Moteus(u8),
     /// This axis of an ODrive.
     Odrive(u8),
+    /// The Dynamixel servo of this number.
+    Dynamixel(u8),
     /// A CAN bus of this bit rate, behind an adapter that speaks slcan.
     Slcan(u32),
 }
@@ -63,6 +67,7 @@ impl FromStr for SourceAddress {
             "moteus" => return drive("id", 1, Protocol::Moteus),
             "odrive" => return drive("axis", 0, Protocol::Odrive),
             "slcan" => return slcan(rest),
+            "dynamixel" => return dynamixel(rest),
             _ => {}
         }
         let place = match kind {
@@ -89,6 +94,24 @@ fn serial(text: &str) -> Result<Place, String> {
         return Err("the path of the serial line is missing, as in serial:/dev/ttyACM0?baud=115200".into());
     }
     Ok(Place::Serial(path.into(), rate))
+}
+
+/// The path of a servo's line, its number and the rate of the line: `/dev/ttyUSB0?id=1&baud=57600`.
+fn dynamixel(text: &str) -> Result<SourceAddress, String> {
+    let expected = "expected dynamixel:PATH?id=1&baud=57600";
+    let (path, options) = text.split_once('?').unwrap_or((text, ""));
+    let (mut id, mut baud) = (1, DYNAMIXEL_BAUD);
+    for option in options.split('&').filter(|option| !option.is_empty()) {
+        match option.split_once('=') {
+            Some(("id", value)) => id = value.parse().map_err(|_| expected)?,
+            Some(("baud", value)) => baud = value.parse().ok().filter(|rate| *rate > 0).ok_or(expected)?,
+            _ => return Err(format!("`{option}` is not understood; {expected}")),
+        }
+    }
+    if path.is_empty() {
+        return Err(expected.into());
+    }
+    Ok(SourceAddress { protocol: Protocol::Dynamixel(id), place: Place::Serial(path.into(), baud) })
 }
 
 /// The path of an adapter's line, and the bit rate of its bus: `/dev/ttyACM0?bitrate=500k`.
@@ -142,6 +165,9 @@ impl std::fmt::Display for SourceAddress {
         match (self.protocol, &self.place) {
             (Protocol::Moteus(id), Place::Serial(path, _)) => write!(f, "moteus:{path}?id={id}"),
             (Protocol::Odrive(axis), Place::Serial(path, _)) => write!(f, "odrive:{path}?axis={axis}"),
+            (Protocol::Dynamixel(id), Place::Serial(path, baud)) => {
+                write!(f, "dynamixel:{path}?id={id}&baud={baud}")
+            }
             (Protocol::Slcan(rate), Place::Serial(path, _)) => write!(f, "slcan:{path}?bitrate={rate}"),
             (_, place) => place.fmt(f),
         }
