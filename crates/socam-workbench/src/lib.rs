@@ -24,6 +24,7 @@ pub mod next_run;
 pub mod purpose;
 pub mod queue;
 pub mod recording;
+pub mod residual_test;
 pub mod run;
 pub mod save;
 pub mod session;
