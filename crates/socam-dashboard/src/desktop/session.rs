@@ -10,16 +10,6 @@ use socam_workbench::session::{Named, SCHEMA, Session, is_there, relative};
 
 use crate::dashboard::Dashboard;
 
-/// A result that a file holds: its path, and the result as text, by which a later one is known to be another.
-type Kept = (String, String);
-
-/// Files of the results that the views show.
-#[derive(Debug, Default)]
-pub(super) struct Results {
-    identification: Option<Kept>,
-    diagnosis: Option<Kept>,
-}
-
 impl Dashboard {
     fn identification(&self) -> Option<String> {
         self.views.identify.page.shown.as_ref().map(|shown| format!("{shown:?}"))

@@ -1,6 +1,6 @@
 //! The row above the plots, and the actions of its menus.
 
-use egui::{Button, Key, RichText, Ui};
+use egui::{Button, Key, RichText, TextStyle, Ui};
 
 use super::plots::Plots;
 use super::{Entry, Review, Signal, Views};
@@ -94,6 +94,16 @@ impl Action {
     }
 }
 
+/// What the mouse does, where the row has room for it.
+fn hint(ui: &mut Ui) {
+    let text = "drag: pan   wheel: zoom   Shift+wheel: scroll   right-drag: zoom to box";
+    let font = TextStyle::Small.resolve(ui.style());
+    let galley = ui.painter().layout_no_wrap(text.to_owned(), font, theme::weak(ui));
+    if galley.size().x < ui.available_size_before_wrap().x {
+        ui.label(RichText::new(text).small().color(theme::weak(ui)));
+    }
+}
+
 impl Review {
     pub(super) fn toolbar(
         &mut self,
@@ -130,16 +140,12 @@ impl Review {
                     self.step(entries, Views::redo);
                 }
             });
-            super::units::menu(ui, &mut self.units, signals);
             if entries.len() > 1 {
                 ui.separator();
                 self.choose_reference(ui, entries);
             }
-            ui.label(
-                RichText::new("drag: pan   wheel: zoom   Shift+wheel: scroll   right-drag: zoom to box")
-                    .small()
-                    .color(theme::weak(ui)),
-            );
+            super::units::menu(ui, &mut self.units, signals);
+            hint(ui);
         });
         self.act(action?, signals)
     }

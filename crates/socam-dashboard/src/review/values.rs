@@ -42,9 +42,10 @@ impl Review {
         let rows = samples.row_at(from)..samples.row_at(to.next_up()).max(samples.row_at(from));
         let (mut chosen, mut problem) = (entry.number, None);
         ui.horizontal(|ui| {
+            ui.add_space(4.0);
             ui.label(RichText::new("Values").strong());
             let name = short(&entry.recording.about.name);
-            let choice = ComboBox::from_id_salt((tile, "table")).width(190.0).selected_text(name).truncate();
+            let choice = ComboBox::from_id_salt((tile, "table")).width(160.0).selected_text(name).truncate();
             let choice = choice.show_ui(ui, |ui| {
                 for own in &shown {
                     ui.selectable_value(&mut chosen, own.number, short(&own.recording.about.name));
@@ -52,13 +53,13 @@ impl Review {
             });
             choice.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "recording"));
             let count = socam_plot::words::counted(rows.len(), "row", "rows");
-            ui.label(RichText::new(format!("{count} in sight")).small().color(theme::weak(ui)));
             let copy = ui.small_button("Copy rows").on_hover_text("As text with tabs, for a spreadsheet");
             if copy.clicked() && rows.len() > MOST_COPIED {
                 problem = Some(format!("{count} are in sight and at most {MOST_COPIED} are copied; zoom in"));
             } else if copy.clicked() {
                 ui.ctx().copy_text(text(samples, &columns, rows.clone(), entry.shift_s));
             }
+            ui.label(RichText::new(format!("{count} in sight")).small().color(theme::weak(ui)));
         });
         drawing.requests.extend(problem.map(Request::Warn));
         if chosen != entry.number {
@@ -107,7 +108,7 @@ fn grid(
         scroll.show_rows(ui, ROW, rows.len(), |ui, seen| {
             let part = rows.start + seen.start..(rows.start + seen.end).min(rows.end);
             for cells in cells(samples, columns, part, shift_s) {
-                line(ui, &mut cells.into_iter().map(|cell| RichText::new(cell).monospace().size(11.5)));
+                line(ui, &mut cells.into_iter().map(|cell| RichText::new(cell).monospace()));
             }
         });
     });

@@ -81,6 +81,9 @@ fn an_identification_is_set_up_run_used_and_saved() {
     window.get_by_label("Chart load_speed: measured and predicted, rad/s");
     click(&mut window, "residuals");
     window.get_by_label("Chart load_speed: measured minus predicted, rad/s");
+    // The data have white noise, and the model is the true one.
+    click(&mut window, "whiteness");
+    window.get_by_label_contains("Chart autocorrelation of load_speed: ");
     click(&mut window, "Sort by value");
 
     click(&mut window, "Use as model");

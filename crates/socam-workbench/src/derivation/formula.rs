@@ -133,12 +133,14 @@ fn power(base: Product, exponent: &Formula) -> Result<Product, String> {
     if base == Product::ONE {
         return Ok(base);
     }
-    let (base, times) = if number.fract() == 0.0 { (base, number) } else { (root(base)?, 2.0 * number) };
+    let is_whole = number.fract() == 0.0;
+    let times = if is_whole { number } else { 2.0 * number };
     if times.fract() != 0.0 || times > 40.0 {
         return Err(format!(
             "a unit to the power of {number} has no whole exponents; use a power like 2 or 0.5"
         ));
     }
+    let base = if is_whole { base } else { root(base)? };
     let whole = (0..times as u32).fold(Product::ONE, |product, _| product * base);
     Ok(if sign < 0.0 { Product::ONE / whole } else { whole })
 }

@@ -98,8 +98,8 @@ impl ViewPanel for Identify {
                 "the model leaves something out, which its parameters have taken up: a diagnosis says what and where",
             ),
             (
-                "signals; residuals; predicted recording",
-                "measured against predicted, or the difference, of each channel",
+                "signals; residuals; whiteness; predicted recording",
+                "measured against predicted, the difference, or its autocorrelation with the band in which 95 % of the lags of white residuals are, of each channel",
             ),
         ]
     }

@@ -13,6 +13,7 @@ use socam_chart::chart::{Chart, Curve, Seen, Style, range_of, with_room};
 use socam_chart::theme;
 use socam_samples::{Samples, envelope};
 use socam_workbench::recording::short;
+use socam_workbench::residual_test::Autocorrelation;
 
 /// One recording: for each channel the columns measured, predicted and their difference.
 #[derive(Debug)]
@@ -22,6 +23,8 @@ pub(super) struct Predicted {
     /// Names and units of the channels.
     channels: Vec<(String, String)>,
     samples: Samples,
+    /// Autocorrelations of the residuals of the channels, where they can be told.
+    whiteness: Vec<Option<Autocorrelation>>,
 }
 
 /// Signals of all recordings at a fit; `None` where the prediction overflows.
@@ -48,6 +51,7 @@ pub(super) fn of(
             is_held_out,
             channels: channels.clone(),
             samples: samples(&own),
+            whiteness: (0..channels.len()).map(|output| whiteness(&own, output)).collect(),
         }
     };
     Ok(data.iter().enumerate().map(one).collect())
@@ -81,11 +85,28 @@ fn samples(traces: &[&Traces]) -> Samples {
     Samples::in_memory(time_s, &columns, segments)
 }
 
+fn whiteness(traces: &[&Traces], output: usize) -> Option<Autocorrelation> {
+    let residuals = |trace: &&Traces| -> Vec<f64> {
+        trace.measured[output].iter().zip(&trace.predicted[output]).map(|(m, p)| m - p).collect()
+    };
+    let segments: Vec<Vec<f64>> = traces.iter().map(residuals).collect();
+    Autocorrelation::new(&segments.iter().map(Vec::as_slice).collect::<Vec<_>>())
+}
+
+/// What is drawn of a fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+enum Picture {
+    #[default]
+    Signals,
+    Residuals,
+    Whiteness,
+}
+
 /// Signals that are drawn, and the part of them that is shown.
 #[derive(Debug, Default)]
 pub(super) struct Pictures {
     recording: usize,
-    are_residuals: bool,
+    picture: Picture,
     /// The range of times, s, once it was moved.
     span_s: Option<[f64; 2]>,
 }
@@ -98,8 +119,12 @@ impl Pictures {
     pub(super) fn ui(&mut self, ui: &mut Ui, all: &[Predicted], seen: &mut Vec<Seen>) {
         let shown = &all[self.recording.min(all.len() - 1)];
         ui.horizontal_wrapped(|ui| {
-            for (are_residuals, name) in [(false, "signals"), (true, "residuals")] {
-                ui.selectable_value(&mut self.are_residuals, are_residuals, name);
+            for (picture, name) in [
+                (Picture::Signals, "signals"),
+                (Picture::Residuals, "residuals"),
+                (Picture::Whiteness, "whiteness"),
+            ] {
+                ui.selectable_value(&mut self.picture, picture, name);
             }
             let title = |one: &Predicted| {
                 format!("{}{}", short(&one.name), if one.is_held_out { ", held out" } else { "" })
@@ -115,7 +140,7 @@ impl Pictures {
             choice
                 .response
                 .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "predicted recording"));
-            if !self.are_residuals {
+            if self.picture == Picture::Signals {
                 beside::legend(ui, "measured", beside::ink(ui), Style::Thin);
                 beside::legend(ui, "predicted", theme::good(ui), Style::Broad);
             }
@@ -124,14 +149,19 @@ impl Pictures {
             let count = shown.channels.len().max(1) as f32;
             let height = (ui.available_height() / count - 6.0).max(LEAST_HEIGHT);
             for index in 0..shown.channels.len() {
-                self.chart(ui, shown, index, height, seen);
+                if self.picture == Picture::Whiteness {
+                    whiteness_chart(ui, shown, index, height, seen);
+                } else {
+                    self.chart(ui, shown, index, height, seen);
+                }
             }
         });
     }
 
     fn chart(&mut self, ui: &mut Ui, shown: &Predicted, index: usize, height: f32, seen: &mut Vec<Seen>) {
         let (name, unit) = &shown.channels[index];
-        let what = if self.are_residuals { "measured minus predicted" } else { "measured and predicted" };
+        let are_residuals = self.picture == Picture::Residuals;
+        let what = if are_residuals { "measured minus predicted" } else { "measured and predicted" };
         let width = ui.available_width();
         let mut chart =
             Chart::new(("predicted", index), format!("{name}: {what}, {unit}"), vec2(width, height));
@@ -142,7 +172,7 @@ impl Pictures {
         chart.x = self.span_s.unwrap_or(whole);
         let [from, to] = chart.x;
         let line = |column| envelope(&shown.samples, 3 * index + column, from, to, width as usize).parts;
-        chart.curves = if self.are_residuals {
+        chart.curves = if are_residuals {
             let (name, colour) = ("residual".into(), theme::alarm(ui));
             vec![Curve { name, colour, parts: line(2), style: Style::Solid }]
         } else {
@@ -158,4 +188,37 @@ impl Pictures {
             self.span_s = None;
         }
     }
+}
+
+/// The autocorrelation of a channel's residuals, with the bounds of chance.
+fn whiteness_chart(ui: &mut Ui, shown: &Predicted, index: usize, height: f32, seen: &mut Vec<Seen>) {
+    let (name, _) = &shown.channels[index];
+    let found = shown.whiteness[index].as_ref();
+    let said = found.map_or_else(String::new, |found| format!(": {}", found.sentence()));
+    let size = vec2(ui.available_width(), height);
+    let mut chart = Chart::new(("whiteness", index), format!("autocorrelation of {name}{said}"), size);
+    chart.when_empty = "too few residuals, or all are equal";
+    if index + 1 == shown.channels.len() {
+        chart.x_label = "lag, samples".into();
+    }
+    chart.x = [0.0, found.map_or(1.0, |found| found.values.len() as f64 + 1.0)];
+    if let Some(found) = found {
+        let (first, last, bound) = (chart.x[0], chart.x[1], found.bound);
+        chart.bands =
+            vec![(vec![[first, -bound, bound], [last, -bound, bound]], theme::good(ui).gamma_multiply(0.2))];
+        // A line from zero for each lag, so that each is seen.
+        let bar = |(lag, value): (usize, &f64)| vec![[lag as f64 + 1.0, 0.0], [lag as f64 + 1.0, *value]];
+        let parts = found.values.iter().enumerate().map(bar).collect();
+        chart.curves = vec![Curve {
+            name: "autocorrelation".into(),
+            colour: beside::ink(ui),
+            parts,
+            style: Style::Solid,
+        }];
+    }
+    let values = found
+        .into_iter()
+        .flat_map(|found| found.values.iter().copied().chain([found.bound, -found.bound, 0.0]));
+    chart.y = chart.fitted(range_of(values));
+    chart.show(ui, seen);
 }
