@@ -39,6 +39,6 @@ pub(super) const HELP: Help = &[
     ("Played recording", "the one that is played"),
     (
         "Save animation...",
-        "the next five seconds as an animated PNG, also in the menu File, Export what is seen",
+        "the next three seconds as an animated PNG, also in the menu File, Export what is seen",
     ),
 ];
