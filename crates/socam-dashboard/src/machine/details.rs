@@ -15,6 +15,9 @@ pub(super) struct Editor {
     pending: Option<(String, f64)>,
     /// Why the last change could not be made; one sentence.
     pub(super) problem: Option<String>,
+    /// Intervals of the model's file, SI, and the text that states them.
+    intervals: Vec<Option<[f64; 2]>>,
+    of: String,
 }
 
 /// A parameter's new value, SI, and whether it is fixed.
@@ -30,7 +33,11 @@ impl Editor {
         motion: Option<&Motion>,
         time_s: f64,
     ) -> Option<Change> {
-        let intervals = model.intervals();
+        if self.of != model.text {
+            // Reading the file anew in each pass would take longer than drawing it.
+            (self.intervals, self.of) = (model.intervals(), model.text.clone());
+        }
+        let intervals = self.intervals.clone();
         let drawing = Drawing::of(model, &[], Style::default());
         let place =
             selected.as_ref().and_then(|name| drawing.places.iter().find(|place| place.name == *name));

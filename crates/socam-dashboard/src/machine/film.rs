@@ -11,10 +11,10 @@ use crate::bench::Stand;
 use crate::progress::{self, wake};
 
 /// Frames of an animation, and frames a second.
-const FRAMES: usize = 75;
+const FRAMES: usize = 45;
 const RATE: u16 = 15;
 /// Frames that are drawn in a pass.
-const AT_ONCE: usize = 2;
+const AT_ONCE: usize = 3;
 
 /// An animation that is being made.
 #[derive(Debug, Default)]

@@ -3,9 +3,11 @@
 mod describe;
 mod details;
 mod film;
+mod help;
 mod motions;
 mod player;
 mod scene;
+mod time_line;
 
 use egui::{Button, RichText, ScrollArea, Sense, Ui, vec2};
 use socam_chart::chart::Seen;
@@ -94,7 +96,7 @@ impl ViewPanel for MachineView {
     }
 
     fn help() -> Help {
-        HELP
+        help::HELP
     }
 }
 
@@ -269,44 +271,3 @@ impl MachineView {
 /// Least and greatest magnification of a drawing; one that is still too wide is scrolled.
 const SMALLEST: f32 = 0.8;
 const LARGEST: f32 = 1.7;
-
-const HELP: Help = &[
-    (
-        "an element's name and kind",
-        "a click on it shows its parameters with values, 95 % intervals where a fit wrote them, and channels; findings of a diagnosis of this model are framed",
-    ),
-    ("All parameters", "instead of those of one element"),
-    (
-        "Value of ...; Fixed: ...",
-        "writes into the model's text, whose comments stay; in the unit of the file; a fixed one is not fitted; Ctrl+Z and Undo the change take it back",
-    ),
-    ("Undo the change; Redo the change", "of the last value that was changed here"),
-    ("Open model...; Model", "a model file; a model that is built in, or was used in this window"),
-    (
-        "New model...; Name of the model; Parts; Drives; Measured; Words that are understood",
-        "a model from a line of words, as `socam-host new` takes them, drawn while they are typed; a mistake stands under its field",
-    ),
-    ("Use; Back", "makes the new model the one of all views; leaves the form"),
-    ("Save...; Save model file...", "writes the model as a file"),
-    (
-        "Play; Pause; Speed; Time line; To the start",
-        "plays the recording from 0.01 to 10 times as fast as it was; a press on the time line, or the arrow keys on it, choose a moment",
-    ),
-    (
-        "Angle",
-        "how much of the travel is drawn, so that a fast motor is no blur and a small swing is seen; `auto` keeps the fastest part below half a turn per second",
-    ),
-    (
-        "Colour by",
-        "misfit: measured minus predicted of a channel over 0.05 s, as a share of the channel's root mean square; torque or power of springs, as the model predicts them",
-    ),
-    (
-        "Predict",
-        "simulates the model with the recording's inputs: hollow needles are its motion, filled spokes the measured one; both begin at 0, and an offset of a speed sensor turns them apart",
-    ),
-    ("Played recording", "the one that is played"),
-    (
-        "Save animation...",
-        "the next five seconds as an animated PNG, also in the menu File, Export what is seen",
-    ),
-];

@@ -126,7 +126,7 @@ impl Scene<'_> {
             Kind::Rotation => format!("angle {}", times(self.angle_scale)),
             Kind::Translation => {
                 let far = self.motion.map_or(0.0, |motion| motion.farthest);
-                format!("tracks are ±{} m long", rough(far))
+                format!("each track spans ±{} m", rough(far))
             }
         };
         let text = format!("{:.3} s     {scale}", self.time_s);

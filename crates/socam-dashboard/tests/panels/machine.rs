@@ -130,7 +130,7 @@ fn a_recording_moves_the_machine_beside_its_prediction() {
     save_as(&mut window, "machine.png");
     let bytes = std::fs::read(folder.path().join("machine.png")).unwrap();
     let reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
-    assert_eq!(reader.info().animation_control.unwrap().num_frames, 75);
+    assert_eq!(reader.info().animation_control.unwrap().num_frames, 45);
 }
 
 #[test]
