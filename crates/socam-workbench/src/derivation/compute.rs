@@ -68,9 +68,8 @@ fn evaluate(tape: &Tape, values: &mut [f64], others: &[Vec<f64>]) {
         inputs[1..].iter_mut().zip(others).for_each(|(input, other)| *input = other[row]);
         // `min` and `max` of a missing value and a number are the number.
         let is_whole = inputs.iter().all(|input| input.is_finite());
-        *value = if is_whole { Some(tape.value(&inputs)) } else { None }
-            .filter(|value| value.is_finite())
-            .unwrap_or(f64::NAN);
+        let found = is_whole.then(|| tape.value(&inputs));
+        *value = found.filter(|value| value.is_finite()).unwrap_or(f64::NAN);
     }
 }
 

@@ -159,7 +159,7 @@ fn root(unit: Product) -> Result<Product, String> {
             } else {
                 factor[base.len()..].parse().ok()?
             };
-            (power % 2 == 0).then(|| format!("{base}{}", power / 2))
+            power.is_multiple_of(2).then(|| format!("{base}{}", power / 2))
         });
         each.collect::<Option<Vec<_>>>().map(|each| each.join(" "))
     };
