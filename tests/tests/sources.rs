@@ -9,9 +9,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use serialport::{SerialPort, TTYPort};
-use socam_sources::simulators::{
-    DynamixelSimulator, Firmware, MoteusSimulator, Motor, OdriveSimulator, SlcanSimulator,
-};
+use socam_sources::simulators::{DynamixelSimulator, Firmware, MoteusSimulator, Motor, OdriveSimulator};
 use socam_tests::{Ran, run, socam_host};
 
 /// A name in a folder.
@@ -295,7 +293,7 @@ fn a_can_bus_is_listened_to_and_recorded_by_its_dbc() {
     let ran = std::thread::scope(|scope| {
         let _ending = Ending(&is_over);
         scope.spawn(|| {
-            let mut adapter = SlcanSimulator::new(true);
+            let mut adapter = socam_sources::simulators::SlcanSimulator::new(true);
             ours.set_timeout(Duration::from_millis(1)).unwrap();
             send_evenly(&is_over, |k| {
                 let mut bytes = [0; 100];

@@ -1,5 +1,7 @@
 //! A CAN bus behind a simulated adapter: what is recorded of it, and when.
 
+#![cfg(feature = "can")]
+
 use std::sync::Arc;
 
 use proptest::prelude::*;

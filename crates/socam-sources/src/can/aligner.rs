@@ -96,12 +96,12 @@ impl Aligner {
     fn begin_row(&mut self, time_s: f64, values: Vec<f64>, mark: i64) {
         let mut row = vec![None; self.kinds.len()];
         row[0] = Some(values);
-        for kind in 1..self.kinds.len() {
+        for (kind, place) in row.iter_mut().enumerate().skip(1) {
             // A slow value that was nearer to this row than to the one before it.
             let early = self.early[kind].take();
             let early = early.filter(|(early_s, _)| time_s - early_s <= LATE * self.kinds[0].step_s);
             let same = || self.last[kind].clone().filter(|(last_s, _)| *last_s == time_s);
-            row[kind] = early.or_else(same).map(|(_, values)| values);
+            *place = early.or_else(same).map(|(_, values)| values);
         }
         self.waiting.push_back(Waiting { time_s, values: row, mark });
     }

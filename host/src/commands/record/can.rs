@@ -35,7 +35,7 @@ pub(super) fn open(
     link.send(&opening)?;
     let heard = listen(link, name, interrupt)?;
     let found = survey(&heard.chunks(), signals).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
-    found.notes.iter().for_each(|note| output::warn(note));
+    found.notes.iter().for_each(output::warn);
     output::say(format_args!("{name}: {}; values of other frames are interpolated, or missing", found.rows));
     let device = CanBus::new(found, opening);
     let timeline = Timeline::new(device.numbering(), None);

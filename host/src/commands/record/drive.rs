@@ -147,7 +147,7 @@ fn follow<D: Drive + 'static>(
     ));
     let [kept, not_promised] = drive.promises();
     kept.iter().for_each(|promise| output::say(format_args!("  {promise}")));
-    not_promised.iter().for_each(|caution| output::warn(caution));
+    not_promised.iter().for_each(output::warn);
     if !args.drive.arm {
         return Err(wrong("nothing was sent: add --arm to let the drive move".into()));
     }
