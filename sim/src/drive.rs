@@ -92,6 +92,12 @@ impl Drive {
     }
 }
 
+/// The motor whose voltage a model's first input is.
+pub(crate) fn driven_motor(model: &Model) -> Option<usize> {
+    let driven = &model.inputs().next()?.at;
+    model.motors.iter().position(|motor| motor.name == *driven)
+}
+
 /// The drivetrain with its drive, as one system. Inputs: the steady driven quantity, and a constant 1 that the clocks integrate.
 /// Outputs: the driven quantity, then the model's.
 pub(crate) fn attach(drive: &Drive, model: &Model, equations: &Equations) -> Equations {

@@ -8,6 +8,7 @@ use socam_model::Model;
 use socam_recording::Calibration;
 
 use crate::SimError;
+use crate::drive::driven_motor;
 use crate::setup::Setup;
 
 /// Two to this power is the number of readings per sample.
@@ -128,12 +129,6 @@ impl Gearmotor {
     pub(crate) fn inputs(&mut self) -> u8 {
         u8::from(std::mem::take(&mut self.is_index))
     }
-}
-
-/// The motor whose voltage a model's first input is.
-pub(crate) fn driven_motor(model: &Model) -> Option<usize> {
-    let driven = &model.inputs().next()?.at;
-    model.motors.iter().position(|motor| motor.name == *driven)
 }
 
 /// The output row of a gearmotor board's channel; the driven quantity is row 0.

@@ -6,8 +6,7 @@ use socam_model::{Channel as ModelChannel, ChannelTransform, Model, Quantity, Ro
 use socam_recording::{CalibratedChannel, Calibration, Channel, Unit, Winding};
 
 use crate::channel::plain_channel;
-use crate::drive::{self, Drive};
-use crate::gearmotor::driven_motor;
+use crate::drive::{self, Drive, driven_motor};
 use crate::plant::Plant;
 use crate::sensors::noise_std;
 use crate::{SimError, Truth};

@@ -1,4 +1,4 @@
-//! A gearmotor on its board: first run, record, identify, diagnose, and what stops it.
+//! A gearmotor on its board: first run, record, identify, and what stops it.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Stdio};
@@ -84,36 +84,14 @@ fn a_first_run_finds_wrong_wires_and_the_run_after_it_is_right() {
     assert_eq!((&recorded["end"], &recorded["lost"]), (&"finished".into(), &0.into()), "{recorded}");
 }
 
-/// Records the default gearmotor for 6 s.
-#[cfg(feature = "full")]
-fn record_bench(log: &str, more: &[&str]) {
-    let arguments =
-        ["record", "-o", log, "--device", "sim", "--model", "gearmotor", "--profile", "gearmotor"];
-    let _ = run(arguments.iter().chain(&["--duration", "6s"]).chain(more)).done();
-}
-
-#[cfg(feature = "full")]
-#[test]
-fn a_friction_that_is_concealed_at_the_load_is_found_there() {
-    let folder = tempfile::tempdir().unwrap();
-    let (log, held) = (path(&folder, "run.mcap"), path(&folder, "held.mcap"));
-    let hide = ["--hide", "coulomb_friction@load_bearing:torque=0.05"];
-    record_bench(&log, &hide);
-    record_bench(&held, &[&hide[..], &["--seed", "2"]].concat());
-    let document = run(["diagnose", &log, "--holdout", &held, "--model", "gearmotor", "--json"]).json();
-    let finding = &document["findings"][0];
-    assert_eq!(finding["location"], "load_bearing", "{}", document["findings"]);
-    let torque = &finding["parameters"][0];
-    assert_eq!(torque["name"], "torque", "{finding}");
-    assert!((torque["value"].as_f64().unwrap() - 0.05).abs() < 0.002, "{finding}");
-}
-
 #[cfg(feature = "full")]
 #[test]
 fn winding_gear_friction_and_shaft_are_in_their_intervals() {
     let folder = tempfile::tempdir().unwrap();
     let log = path(&folder, "run.mcap");
-    record_bench(&log, &[]);
+    let arguments =
+        ["record", "-o", &log, "--device", "sim", "--model", "gearmotor", "--profile", "gearmotor"];
+    let _ = run(arguments.iter().chain(&["--duration", "6s"])).done();
     let result = run(["identify", &log, "--model", "gearmotor", "--json"]).json();
     for (name, truth) in [
         ("R", 2.2),

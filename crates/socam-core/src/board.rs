@@ -2,8 +2,9 @@
 
 mod requests;
 
-use crate::config::{Config, MAX_CHANNELS};
+use crate::config::Config;
 use crate::fixed;
+use crate::layout::MAX_CHANNELS;
 use crate::ports::{ConverterSilent, Ports};
 use crate::profile::{Command, Generator, Profile, Setpoint};
 use crate::ring::Producer;

@@ -5,15 +5,9 @@ mod error;
 pub use error::ConfigError;
 
 use crate::ceilings::Ceilings;
-use crate::layout::Layout;
+use crate::layout::{Layout, MAX_CHANNELS, WIDE_CHANNELS};
 use crate::motor_watch::MotorWatch;
 use crate::scaling::{self, Converter, MotorCalibration, MotorLine, Scale, Sensor};
-
-/// Most converter channels that a board can sample.
-pub const MAX_CHANNELS: usize = 8;
-
-/// Number of the first channels that may be wide (32 bits): room for more would cost every board memory.
-pub const WIDE_CHANNELS: usize = 4;
 
 /// The configuration of a board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -244,7 +238,7 @@ impl Config {
         if self.confirm_samples == 0 || self.moving_uv < 0 {
             return Err(ConfigError::Watch);
         }
-        if self.motor.is_some_and(|motor| !motor.is_sound(self)) {
+        if self.motor.is_some_and(|motor| !motor.is_sound(self.channel_count)) {
             return Err(ConfigError::Motor);
         }
         if !self.used_channels().iter().any(Channel::is_watched) {

@@ -1,6 +1,10 @@
 //! How many channels a sample has, and which of them are wide.
 
-use crate::MAX_CHANNELS;
+/// Most converter channels that a board can sample.
+pub const MAX_CHANNELS: usize = 8;
+
+/// Number of the first channels that may be wide (32 bits): room for more would cost every board memory.
+pub const WIDE_CHANNELS: usize = 4;
 
 /// Number and widths of a sample's channels: 16 bits for a converter's count, 32 for an encoder's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

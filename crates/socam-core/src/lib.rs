@@ -42,6 +42,7 @@ mod fault;
 mod fixed;
 mod kind;
 mod layout;
+mod motor_check;
 mod motor_watch;
 mod ports;
 mod profile;
@@ -60,12 +61,10 @@ mod velocity;
 pub use average::{Average, conversions_per_sample};
 pub use board::Board;
 pub use ceilings::Ceilings;
-pub use config::{
-    Channel, ChannelKind, Config, ConfigError, MAX_CHANNELS, Output, SpeedControl, WIDE_CHANNELS,
-};
+pub use config::{Channel, ChannelKind, Config, ConfigError, Output, SpeedControl};
 pub use fault::Fault;
 pub use kind::{BoardKind, GearmotorChannel};
-pub use layout::Layout;
+pub use layout::{Layout, MAX_CHANNELS, WIDE_CHANNELS};
 pub use motor_watch::MotorWatch;
 pub use ports::{ConverterSilent, Ports};
 pub use profile::{Command, Generator, Lines, MAX_LINES, Profile, ProfileError, ProfileKey, Setpoint, Shape};

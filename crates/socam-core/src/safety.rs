@@ -2,8 +2,9 @@
 
 use core::fmt;
 
-use crate::config::{Channel, ChannelKind, Config, MAX_CHANNELS};
-use crate::motor_watch::MotorCheck;
+use crate::config::{Channel, ChannelKind, Config};
+use crate::layout::MAX_CHANNELS;
+use crate::motor_check::MotorCheck;
 use crate::{Fault, conversions_per_sample, fixed};
 
 /// State of the board. The output is live in `Running` and `Stopping` and nowhere else.
@@ -87,12 +88,6 @@ pub(crate) struct Watch {
     motor: MotorCheck,
 }
 
-/// Number of samples in a time, at least one.
-pub(crate) fn samples_in(time_us: u32, sample_period_us: u32) -> u32 {
-    let samples = fixed::samples_in(u64::from(time_us), sample_period_us);
-    u32::try_from(samples).unwrap_or(u32::MAX).max(1)
-}
-
 /// Consecutive samples of one channel with each symptom.
 #[derive(Debug, Clone, Copy, Default)]
 struct ChannelWatch {
@@ -117,7 +112,7 @@ struct StuckAfter {
 
 impl Watch {
     pub(crate) fn new(config: &Config) -> Self {
-        let samples = |time_us: u32| samples_in(time_us, config.sample_period_us);
+        let samples = |time_us: u32| fixed::whole_samples(time_us, config.sample_period_us);
         let per_sample = conversions_per_sample(config.sample_period_us);
         let code_us = config.sample_period_us.checked_div(per_sample).unwrap_or(1).max(1);
         let channels = config.channels.map(|channel| ChannelWatch {

@@ -4,7 +4,6 @@ use socam_core::scaling::RAD_S_PER_RPM;
 use socam_core::{Flags, GearmotorChannel, Sample, State, encoder};
 
 use crate::calibration_file::Calibration;
-use crate::first_run_edit::edited;
 use crate::linear::{Fitted, least_squares};
 use crate::settings::SettingsError;
 
@@ -178,14 +177,6 @@ impl FirstRun {
             current_offset_a: winding.current_offset_a,
             line,
         })
-    }
-
-    /// The text of a calibration with what was found.
-    ///
-    /// # Errors
-    /// When the text is no calibration of a gearmotor board.
-    pub fn edit(&self, text: &str) -> Result<String, SettingsError> {
-        edited(self, text)
     }
 }
 

@@ -6,7 +6,17 @@ use crate::calibration_file::Calibration;
 use crate::first_run::FirstRun;
 use crate::settings::SettingsError;
 
-pub(crate) fn edited(found: &FirstRun, text: &str) -> Result<String, SettingsError> {
+impl FirstRun {
+    /// The text of a calibration with what was found.
+    ///
+    /// # Errors
+    /// When the text is no calibration of a gearmotor board.
+    pub fn edit(&self, text: &str) -> Result<String, SettingsError> {
+        edited(self, text)
+    }
+}
+
+fn edited(found: &FirstRun, text: &str) -> Result<String, SettingsError> {
     let before = Calibration::parse(text)?;
     if before.board != BoardKind::Gearmotor {
         return Err(SettingsError::new(

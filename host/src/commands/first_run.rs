@@ -210,7 +210,8 @@ fn words(found: &FirstRun, before: &Calibration, path: &Path) -> String {
         format!("{:.4} +- {:.4} {unit}", measured.value * factor, 1.96 * measured.std * factor)
     };
     line("resistance", number(&found.resistance_ohm, 1.0, "ohm, with bridge and leads"));
-    line("inductance", number(&found.inductance_h, 1e3, "mH"));
+    // Samples a millisecond apart hardly see it: the least squares are biased by more than their uncertainty.
+    line("inductance", format!("about {:.1} mH", found.inductance_h.value * 1e3));
     line("back-EMF", number(&found.back_emf_v_s, 1e3, "mV s/rad"));
     let reversed = if found.current_is_reversed {
         "; its sensor is the wrong way round, the calibration corrects it"
