@@ -51,8 +51,8 @@ impl Editor {
             ui.add(Label::new(RichText::new(&model.description).color(theme::weak(ui))).wrap());
             ui.label(RichText::new("A click on an element shows its own.").color(theme::weak(ui)));
             ui.add_space(4.0);
-            for index in 0..model.parameters.len() {
-                change = self.parameter(ui, model, index, "", intervals[index]).or(change);
+            for (index, ci95) in intervals.iter().enumerate() {
+                change = self.parameter(ui, model, index, "", *ci95).or(change);
             }
             return change;
         };
