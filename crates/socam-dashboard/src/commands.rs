@@ -41,7 +41,7 @@ const VIEWS: [Key; 9] =
     [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
 /// Commands besides the views with their texts and keys, in the order of the menus.
-const COMMANDS: [(Command, &str, Modifiers, Key); 20] = [
+const COMMANDS: [(Command, &str, Modifiers, Key); 21] = [
     (Command::NewSignal, "New input signal", CTRL, Key::N),
     (Command::Open, "Open...", CTRL, Key::O),
     (Command::SaveSignal, "Save input signal...", CTRL, Key::S),
