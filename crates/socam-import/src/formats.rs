@@ -238,7 +238,8 @@ mod tests {
                 "docs/import.md must have a row that begins with `{kind}` and ends with {cell}"
             );
             assert!(
-                feature.is_none_or(|feature| host.contains(&format!("{feature} = [\"socam-import/{feature}\"]"))),
+                feature
+                    .is_none_or(|feature| host.contains(&format!("{feature} = [\"socam-import/{feature}\""))),
                 "host/Cargo.toml must hand the feature {feature:?} to socam-import"
             );
         }

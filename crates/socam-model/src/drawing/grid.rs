@@ -55,9 +55,18 @@ impl Grid {
             let there = || layout.elements.iter().filter(|element| element.row == row);
             let text = there().map(|element| grid.text_height(element)).fold(0.0, f64::max);
             let symbol = there().map(|element| symbol_height(element.kind)).fold(0.0, f64::max);
+            let has = |row, position| {
+                layout
+                    .elements
+                    .iter()
+                    .any(|element| element.row == row && row_position(element.kind) == position)
+            };
+            // In a wrapped chain a diamond above a sensor stands below the labels of bearings.
+            let is_before_sensors = has(row, RowPosition::Grounded) && has(row + 1, RowPosition::Sensor);
+            let space = if is_before_sensors { SPACE + BADGE } else { SPACE };
             let top = grid.bottom();
             grid.labels.push(text);
-            grid.tops.push(top + text + symbol + SPACE);
+            grid.tops.push(top + text + symbol + space);
         }
         grid
     }

@@ -172,7 +172,7 @@ mod tests {
             (0, 3.0, 1.0),
             (0, 4.0, 1.0),
             (1, 4.1, 2.0),
-            (0, 5.0, 1.0),
+            (0, 6.0, 1.0),
         ];
         let rows = super::tests::rows([1.0, 1.0], &hole);
         assert!(rows[1..4].iter().all(|row| row.2.is_nan()), "{rows:?}");
