@@ -24,7 +24,6 @@ mod drive;
 mod error;
 mod fault;
 mod fleet;
-mod gearmotor;
 mod late;
 mod plant;
 mod record;

@@ -37,7 +37,6 @@ mod firmware_image;
 #[cfg(all(unix, feature = "full"))]
 mod fleet;
 mod frequency;
-mod gearmotor;
 mod identify;
 mod import;
 #[cfg(feature = "full")]

@@ -16,7 +16,6 @@ mod efficiency;
 mod export;
 #[cfg(feature = "exchange")]
 mod export_model;
-mod first_run;
 mod flash;
 #[cfg(feature = "fleet")]
 mod fleet;
@@ -212,7 +211,6 @@ commands! {
     VirtualBoard => virtual_board,
     Dashboard => dashboard if "window",
     Flash => flash,
-    FirstRun => first_run,
     New => new,
     Model => model,
     Template => template,
