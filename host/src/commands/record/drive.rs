@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn limits_are_told_apart_by_their_unit() {
         let near = |text: &str, wanted: f64| {
-            let (Ok(Limit::Speed(value) | Limit::Torque(value) | Limit::Current(value))) = limit(text) else {
+            let Ok(Limit::Speed(value) | Limit::Torque(value) | Limit::Current(value)) = limit(text) else {
                 panic!("{text}")
             };
             assert!((value - wanted).abs() < 1e-12 * wanted, "{text} {value}");
