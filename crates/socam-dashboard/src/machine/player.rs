@@ -262,10 +262,7 @@ mod tests {
 
     #[test]
     fn scales_are_round_and_read_well() {
-        assert_eq!(
-            [nice(0.07), nice(1.0), nice(4.9), nice(31.0)].map(times),
-            ["1/20", "×1", "×2", "×20"]
-        );
+        assert_eq!([nice(0.07), nice(1.0), nice(4.9), nice(31.0)].map(times), ["1/20", "×1", "×2", "×20"]);
     }
 
     /// A fast motor is slowed down, a part that hardly moves is enlarged.
