@@ -32,7 +32,7 @@ pub(crate) fn unit(text: &str, sources: &[Signal]) -> Result<String, String> {
 /// A formula that takes the values of its [`names`], in that order.
 ///
 /// # Errors
-/// Those of [`unit`].
+/// Those of [`unit()`].
 pub(crate) fn tape(text: &str, sources: &[Signal]) -> Result<Tape, String> {
     bound(text, sources).map(|(tape, _)| tape)
 }
