@@ -89,13 +89,18 @@ impl Model {
     /// The errors of [`Model::parse`]: for a place or parameter that does not exist, and for a value outside its bounds.
     pub fn with_effect(&self, effect: &str, place: &str, values: &[(&str, f64)]) -> Result<Self, ModelError> {
         let mut grown = Self::parse(&add_effect(self, effect, place, values)?)?;
-        // The file's text has the values as read; later changes are in `parameters` only.
-        for parameter in &mut grown.parameters {
-            if let Some(known) = self.parameter(&parameter.name) {
-                *parameter = self.parameters[known].clone();
+        grown.keep_parameters(self);
+        Ok(grown)
+    }
+
+    /// Takes the parameters of a model of which this one was made by way of the file's text: that has the values as read, and later changes are
+    /// in [`Model::parameters`] only.
+    pub(crate) fn keep_parameters(&mut self, of: &Self) {
+        for parameter in &mut self.parameters {
+            if let Some(known) = of.parameter(&parameter.name) {
+                *parameter = of.parameters[known].clone();
             }
         }
-        Ok(grown)
     }
 }
 

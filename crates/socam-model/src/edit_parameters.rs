@@ -39,11 +39,9 @@ impl Model {
                 "{name} is a default of a law, which the file does not declare; add it to [parameters]"
             )));
         };
-        if fixed == known.fixed {
-            // Nothing to write.
-        } else if fixed {
+        if fixed && !known.fixed {
             entry.insert("fixed", value(true));
-        } else {
+        } else if known.fixed && !fixed {
             entry.remove("fixed");
         }
         let mut changed = Self { text: document.to_string(), ..self.clone() };
@@ -52,11 +50,10 @@ impl Model {
             changed.text = changed.text_with(&[update])?;
         }
         let mut changed = Self::parse(&changed.text)?;
-        // The file's text has the values as read; later changes are in `parameters` only.
-        for parameter in changed.parameters.iter_mut().filter(|parameter| parameter.name != name) {
-            if let Some(known) = self.parameter(&parameter.name) {
-                *parameter = self.parameters[known].clone();
-            }
+        let new = changed.parameter(name).map(|index| changed.parameters[index].clone());
+        changed.keep_parameters(self);
+        if let Some((index, new)) = changed.parameter(name).zip(new) {
+            changed.parameters[index] = new;
         }
         Ok(changed)
     }

@@ -52,12 +52,7 @@ impl Model {
                 probes.push(Probe { channel, quantity, at: at.clone() });
             }
         }
-        // The file's text has the values as read; later changes are in `parameters` only.
-        for parameter in &mut seen.parameters {
-            if let Some(known) = self.parameter(&parameter.name) {
-                *parameter = self.parameters[known].clone();
-            }
-        }
+        seen.keep_parameters(self);
         Ok((seen, probes))
     }
 }
