@@ -50,8 +50,11 @@ impl Asking {
         heard.extend((0..missing).map(|_| Heard::Damaged("a question got no answer")));
     }
 
-    /// The link was interrupted.
-    pub(crate) fn forget(&mut self) {
+    /// The link was interrupted, perhaps within a message: no answer comes to what was asked.
+    pub(crate) fn interrupted(&mut self, is_within: bool, heard: &mut Vec<Heard>) {
+        if is_within {
+            heard.push(Heard::Damaged("the link broke within it"));
+        }
         self.asked_ns = None;
     }
 }

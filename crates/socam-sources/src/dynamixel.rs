@@ -7,13 +7,12 @@ use std::f64::consts::TAU;
 use socam_recording::Channel;
 use socam_units::Unit;
 
+use crate::ZERO_CELSIUS_K;
 use crate::asking::Asking;
 use crate::device::{Chunk, Device, Heard, Numbering};
 use crate::error::Result;
 use packet::{Packets, Status, read};
 
-/// Kelvins at 0 degrees Celsius.
-const ZERO_CELSIUS_K: f64 = 273.15;
 /// Registers that are read: the model once, then current, speed, position, voltage and temperature with what lies between them.
 const MODEL: (u16, u16) = (0, 2);
 const SAMPLE: (u16, u16) = (126, 21);
@@ -180,9 +179,6 @@ impl Device for Dynamixel {
     }
 
     fn interrupted(&mut self, heard: &mut Vec<Heard>) {
-        if self.packets.interrupt() {
-            heard.push(Heard::Damaged("the link broke within it"));
-        }
-        self.asking.forget();
+        self.asking.interrupted(self.packets.interrupt(), heard);
     }
 }

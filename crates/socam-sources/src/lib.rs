@@ -18,6 +18,9 @@
 //!
 //! Values are SI. Times are ns of one host clock that never goes back.
 
+/// Kelvins at 0 degrees Celsius, in which drives state their temperatures.
+const ZERO_CELSIUS_K: f64 = 273.15;
+
 mod asking;
 #[cfg(feature = "can")]
 pub mod can;

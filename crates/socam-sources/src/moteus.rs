@@ -11,6 +11,7 @@ use moteus_protocol::{CanFdFrame, Register, parse_arbitration_id, scaling};
 use socam_recording::Channel;
 use socam_units::Unit;
 
+use crate::ZERO_CELSIUS_K;
 use crate::asking::Asking;
 use crate::device::{Chunk, Device, Heard, Numbering};
 use crate::drive::{Drive, Limits, Order, Readiness, Standing, Watched};
@@ -19,8 +20,6 @@ use crate::text::lines::Lines;
 use orders::{fault_name, line, mode_name};
 use registers::registers;
 
-/// Kelvins at 0 degrees Celsius.
-const ZERO_CELSIUS_K: f64 = 273.15;
 /// Modes of a drive: off, in a fault, and obeying.
 const STOPPED: f64 = 0.0;
 const FAULT: f64 = 1.0;
@@ -214,9 +213,6 @@ impl Device for Moteus {
     }
 
     fn interrupted(&mut self, heard: &mut Vec<Heard>) {
-        if self.lines.interrupt() {
-            heard.push(Heard::Damaged("the link broke within it"));
-        }
-        self.asking.forget();
+        self.asking.interrupted(self.lines.interrupt(), heard);
     }
 }

@@ -265,10 +265,7 @@ impl Device for Odrive {
     }
 
     fn interrupted(&mut self, heard: &mut Vec<Heard>) {
-        if self.lines.interrupt() {
-            heard.push(Heard::Damaged("the link broke within it"));
-        }
         self.answers.clear();
-        self.asking.forget();
+        self.asking.interrupted(self.lines.interrupt(), heard);
     }
 }
