@@ -15,6 +15,7 @@ use std::io::Write;
 use std::str::FromStr;
 
 use anyhow::anyhow;
+use socam_recording::RecordingSummary;
 use socam_sim::Setup;
 
 pub(crate) use in_process::{InProcess, Pace};
@@ -22,6 +23,11 @@ pub(crate) use session::Session;
 pub(crate) use stream::is_board;
 use stream::{Stream, find_board, open_serial, open_tcp};
 use token::Token;
+
+/// How many samples a recording lacks, in words.
+pub(crate) fn lost_words(summary: &RecordingSummary) -> String {
+    if summary.lost == 0 { "none lost".into() } else { format!("{} lost", summary.lost) }
+}
 
 /// Location of a board.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -10,12 +10,13 @@ use socam_workbench::link::{Health, News, Order, Presses};
 
 use super::remedy::fault_line;
 use super::show::Show;
+use crate::device::lost_words;
 use crate::device::run::{End, Monitor, Report};
 
 /// Result of a run: a sentence, whether it succeeded, and the reason if the link is broken.
 pub(super) fn ended(path: &Path, report: &Report) -> (String, bool, Option<String>) {
     let summary = &report.summary;
-    let lost = if summary.lost == 0 { "none lost".to_owned() } else { format!("{} lost", summary.lost) };
+    let lost = lost_words(summary);
     let kept =
         format!("{}: {} samples over {:.2} s, {lost}", path.display(), summary.written, report.duration_s);
     match &report.end {

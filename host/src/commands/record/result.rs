@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::commands::Outcome;
+use crate::device::lost_words;
 use crate::device::run::{End, Report};
 use crate::output;
 
@@ -49,7 +50,7 @@ pub(crate) fn tell(path: &std::path::Path, report: &Report, rate_hz: f64, json: 
             enable_read_back: report.enable_feedback.to_string(),
         });
     }
-    let lost = if summary.lost == 0 { "none lost".to_owned() } else { format!("{} lost", summary.lost) };
+    let lost = lost_words(summary);
     output::print(&format!(
         "{}: {} samples over {:.3} s at {rate_hz} Hz, {lost}{}\n",
         path.display(),

@@ -6,6 +6,7 @@ use serde::Serialize;
 use socam_sources::ClockMap;
 
 use crate::commands::Outcome;
+use crate::device::lost_words;
 use crate::device::source::{SourceEnd, SourceReport};
 use crate::output;
 
@@ -100,7 +101,7 @@ pub(super) fn tell(path: &Path, report: &SourceReport, is_commanded: bool, json:
 /// The result in words: `run.mcap: 5000 samples over 5.000 s, none lost (counted by ...); 2 damaged messages`.
 fn text(path: &Path, report: &SourceReport, is_commanded: bool) -> String {
     let (summary, counts) = (&report.summary, &report.counts);
-    let lost = if summary.lost == 0 { "none lost".to_owned() } else { format!("{} lost", summary.lost) };
+    let lost = lost_words(summary);
     let mut text = format!(
         "{}: {} samples over {:.3} s, {lost} (counted {})",
         path.display(),
