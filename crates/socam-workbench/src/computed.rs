@@ -35,6 +35,12 @@ impl<K: Clone + PartialEq, T: Send + 'static> Computed<K, T> {
         self.running.is_some()
     }
 
+    /// Whether the result of this input is being computed: what it needs is not to be copied for [`get`](Self::get) then.
+    #[must_use]
+    pub fn is_computing(&self, key: &K) -> bool {
+        self.running.as_ref().is_some_and(|(running, _)| running == key)
+    }
+
     /// The result and its input: while the next one is being computed, these are the last ones. `Err` is a sentence.
     pub fn get(
         &mut self,
@@ -43,10 +49,9 @@ impl<K: Clone + PartialEq, T: Send + 'static> Computed<K, T> {
         work: impl FnOnce(&Handle) -> Result<T, String> + Send + 'static,
     ) -> Option<(&K, &Result<T, String>)> {
         let is_known = self.known.as_ref().is_some_and(|(known, _)| known == key);
-        let is_running = self.running.as_ref().is_some_and(|(running, _)| running == key);
         if is_known {
             self.running = None;
-        } else if !is_running {
+        } else if !self.is_computing(key) {
             // Dropping the job of an older range cancels it.
             self.running = Some((key.clone(), Job::start("", wake, work)));
         }

@@ -213,8 +213,7 @@ impl MachineView {
             self.film.progress(ui);
             return;
         }
-        let answer = self.player.ui(ui, &workspace.entries, recording, &mut self.motions);
-        if answer.films {
+        if self.player.ui(ui, &workspace.entries, recording, &mut self.motions) {
             self.film.begin();
         }
     }

@@ -70,20 +70,12 @@ impl Motions {
         }
         let simulate = workspace.simulate;
         self.can_simulate = simulate.is_some();
-        let (model, own) = (workspace.model().clone(), recording.clone());
-        let measured = self.measured.get(&wake(ctx), &key, move |_| Motion::measured(&model, &own));
-        if let Some((known, result)) = measured
-            && *known == key
-            && self.of.is_none()
-        {
-            self.shown = Some(result.clone());
-            self.of = Some((key.clone(), false));
-            if result.is_ok() && recording.samples.rows() <= FEW_ROWS {
-                self.wanted = Some(key.clone());
-            }
+        if self.of.is_none() {
+            self.measure(ctx, workspace, recording, &key);
         }
         let (Some(simulate), Some(Ok(motion))) = (simulate, &self.shown) else { return };
         if self.wanted.as_ref() != Some(&key)
+            || self.predicted.is_computing(&key)
             || self.of.as_ref().is_some_and(|(_, is_predicted)| *is_predicted)
         {
             return;
@@ -102,6 +94,24 @@ impl Motions {
                 Err(sentence) => self.problem = Some(format!("Nothing is predicted: {sentence}")),
             }
             self.of = Some((key, true));
+        }
+    }
+
+    /// Computes what was measured, and shows it once it is there.
+    fn measure(&mut self, ctx: &Context, workspace: &Workspace, recording: &Recording, key: &Key) {
+        if self.measured.is_computing(key) {
+            return;
+        }
+        let (model, own) = (workspace.model().clone(), recording.clone());
+        let measured = self.measured.get(&wake(ctx), key, move |_| Motion::measured(&model, &own));
+        if let Some((known, result)) = measured
+            && known == key
+        {
+            self.shown = Some(result.clone());
+            self.of = Some((key.clone(), false));
+            if result.is_ok() && recording.samples.rows() <= FEW_ROWS {
+                self.wanted = Some(key.clone());
+            }
         }
     }
 }

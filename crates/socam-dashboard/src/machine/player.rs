@@ -80,12 +80,6 @@ impl Default for Player {
     }
 }
 
-/// What was asked for.
-#[derive(Debug, Default)]
-pub(super) struct Answer {
-    pub(super) films: bool,
-}
-
 impl Player {
     /// The recording that is played: the chosen one, or the first that is shown.
     pub(super) fn choose(&mut self, entries: &[Entry]) -> Option<Recording> {
@@ -128,15 +122,15 @@ impl Player {
         ui.ctx().request_repaint();
     }
 
-    /// Draws the controls and the time line.
+    /// Draws the controls and the time line; true when an animation is asked for.
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
         entries: &[Entry],
         recording: &Recording,
         motions: &mut Motions,
-    ) -> Answer {
-        let mut answer = Answer::default();
+    ) -> bool {
+        let mut films = false;
         let span_s = recording.samples.span_s().unwrap_or([0.0, 1.0]);
         self.go_on(ui, span_s);
         ui.horizontal_wrapped(|ui| {
@@ -175,9 +169,9 @@ impl Player {
             let [from, to] = span_s;
             let whole = format!("of {from:.3} s to {to:.3} s");
             ui.label(RichText::new(whole).color(theme::weak(ui)).small());
-            answer.films = motions.known().is_some() && ui.button("Save animation...").clicked();
+            films = motions.known().is_some() && ui.button("Save animation...").clicked();
         });
-        answer
+        films
     }
 
     fn scales(&mut self, ui: &mut Ui, motion: Option<&Motion>) {
