@@ -5,33 +5,10 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use socam_dashboard::{Dashboard, Layout, View};
 
-use crate::clicks::{click, until, window, with};
+use crate::clicks::{click, copied, has, press, until, window, with};
 use crate::sample;
 
 type Window = Harness<'static, Dashboard>;
-
-fn has(window: &Window, label: &str) -> bool {
-    window.query_by_label(label).is_some()
-}
-
-fn press(window: &mut Window, key: Key) {
-    window.key_press(key);
-    window.run_steps(3);
-}
-
-/// Presses a button, and returns the text that it copies.
-fn copied(window: &mut Window, label: &str) -> String {
-    window.get_by_label(label).click();
-    for _ in 0..4 {
-        window.run_steps(1);
-        for command in &window.output().platform_output.commands {
-            if let egui::OutputCommand::CopyText(text) = command {
-                return text.clone();
-            }
-        }
-    }
-    panic!("{label} copies nothing")
-}
 
 fn choose_formula(window: &mut Window) {
     press(window, Key::D);

@@ -46,6 +46,29 @@ pub(crate) fn click(window: &mut Harness<'static, Dashboard>, label: &str) {
     window.run_steps(3);
 }
 
+pub(crate) fn has(window: &Harness<'static, Dashboard>, label: &str) -> bool {
+    window.query_by_label(label).is_some()
+}
+
+pub(crate) fn press(window: &mut Harness<'static, Dashboard>, key: egui::Key) {
+    window.key_press(key);
+    window.run_steps(3);
+}
+
+/// Presses a button, and returns the text that it copies.
+pub(crate) fn copied(window: &mut Harness<'static, Dashboard>, label: &str) -> String {
+    window.get_by_label(label).click();
+    for _ in 0..4 {
+        window.run_steps(1);
+        for command in &window.output().platform_output.commands {
+            if let egui::OutputCommand::CopyText(text) = command {
+                return text.clone();
+            }
+        }
+    }
+    panic!("{label} copies nothing")
+}
+
 #[test]
 fn an_empty_window_says_what_to_do() {
     let mut window = window(Dashboard::default());

@@ -7,7 +7,7 @@ use socam_dashboard::{Dashboard, Layout, View};
 use socam_workbench::arrangement::Plot;
 use socam_workbench::derivation::{Derivation, Operation};
 
-use crate::clicks::{click, until, window, with};
+use crate::clicks::{click, copied, has, press, until, window, with};
 use crate::sample;
 
 type Window = Harness<'static, Dashboard>;
@@ -33,15 +33,6 @@ fn drag(window: &mut Window, from: Pos2, to: Pos2) {
         window.run_steps(2);
     }
     window.event(button(to, false));
-    window.run_steps(3);
-}
-
-fn has(window: &Window, label: &str) -> bool {
-    window.query_by_label(label).is_some()
-}
-
-fn press(window: &mut Window, key: Key) {
-    window.key_press(key);
     window.run_steps(3);
 }
 
@@ -141,20 +132,6 @@ fn a_channel_is_derived_in_the_dialog_and_measured_in_the_table() {
     let run = sample::run(0, 4000).samples;
     let product = run.values(3, 0..4000).into_iter().zip(run.values(1, 0..4000)).map(|(a, b)| a * b);
     assert!((mean - product.sum::<f64>() / 4000.0).abs() < 1e-4, "{power}");
-}
-
-/// Presses a button, and returns the text that it copies.
-fn copied(window: &mut Window, label: &str) -> String {
-    window.get_by_label(label).click();
-    for _ in 0..4 {
-        window.run_steps(1);
-        for command in &window.output().platform_output.commands {
-            if let egui::OutputCommand::CopyText(text) = command {
-                return text.clone();
-            }
-        }
-    }
-    panic!("{label} copies nothing")
 }
 
 #[test]
