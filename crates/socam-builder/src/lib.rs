@@ -59,7 +59,7 @@ Parts, from the motor to the load, separated by `|`; sizes in any order, each wi
   inertia 0.5kgcm2                     a flange, a flywheel, a pulley
 A name may stand before a part: `front: coupling jaw`. What has no size gets a usual one with wide bounds.
 Drive and measurements are QUANTITY@PART[:COLUMN[*SCALE][ UNIT]]: torque@motor:current_A*0.055, speed@load:tacho_1 rpm.
-  drive    torque, current, voltage, speed, position (a servo, the column is its reference)
+  drive    torque, force, current, voltage, speed, position (a servo, the column is its reference)
   measure  speed, angle, position, acceleration; torque through a coupling, shaft, belt or sensor; current";
 
 /// A user's description of a machine.

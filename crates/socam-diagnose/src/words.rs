@@ -11,7 +11,7 @@ use crate::{
 pub(crate) fn sentence(effect: &Effect, place: &str, parameters: &[EffectParameter]) -> String {
     let size = parameters.iter().filter(|parameter| parameter.name != "phase").filter_map(|parameter| {
         let value = parameter.value?;
-        let name = parameter.name.replace('_', " ");
+        let name = socam_findings::words::parameter(&parameter.name, &parameter.unit);
         let unit = if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) };
         Some(format!("{name} {}{unit}", short(value)))
     });

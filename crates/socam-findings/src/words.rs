@@ -24,6 +24,20 @@ pub fn effect(id: &str) -> String {
     }
 }
 
+/// Name of an effect's parameter within a sentence, by its unit: along a line, the catalogue's torque is a force.
+///
+/// ```
+/// use socam_findings::words::parameter;
+///
+/// assert_eq!(parameter("static_torque", "N m"), "static torque");
+/// assert_eq!(parameter("static_torque", "N"), "static force");
+/// ```
+#[must_use]
+pub fn parameter(name: &str, unit: &str) -> String {
+    let name = name.replace('_', " ");
+    if unit == "N" { name.replace("torque", "force") } else { name }
+}
+
 /// The words with a capital first letter.
 #[must_use]
 pub fn capital(words: &str) -> String {

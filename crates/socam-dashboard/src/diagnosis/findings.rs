@@ -144,7 +144,10 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, proof: Proof<'_>, se
 fn parameter_lines(ui: &mut Ui, parameters: &[EffectParameter]) {
     for parameter in parameters {
         let size = numbers::quantity(parameter.value, parameter.ci95, &parameter.unit);
-        ui.add(egui::Label::new(format!("{}: {size}", parameter.name)).wrap());
+        ui.add(
+            egui::Label::new(format!("{}: {size}", words::parameter(&parameter.name, &parameter.unit)))
+                .wrap(),
+        );
     }
 }
 

@@ -131,7 +131,8 @@ fn size(finding: &Finding, laws: &[(&str, &str)], is_shallow: bool) -> Option<St
         shown.extend(finding.parameters.first());
     }
     let each = shown.iter().map(|own| {
-        format!("{} {}", own.name.replace('_', " "), words::quantity(own.value, own.ci95, &own.unit))
+        let name = words::parameter(&own.name, &own.unit);
+        format!("{name} {}", words::quantity(own.value, own.ci95, &own.unit))
     });
     let mut size = each.collect::<Vec<_>>().join(", ");
     if size.is_empty() {
