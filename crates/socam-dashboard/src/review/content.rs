@@ -71,6 +71,13 @@ pub(super) fn colour(ui: &Ui, entry: &Entry, lit: Option<usize>, curves: usize) 
     }
 }
 
+/// The name of a recording, as short as tells it from the others.
+pub(super) fn name_among<'e>(entries: &[Entry], entry: &'e Entry) -> &'e str {
+    let name = &entry.recording.about.name;
+    let is_alone = entries.iter().filter(|own| short(&own.recording.about.name) == short(name)).count() < 2;
+    if is_alone { short(name) } else { name }
+}
+
 pub(super) fn curves(ui: &Ui, entries: &[Entry], signals: &[Signal], frame: Frame<'_>) -> Vec<Curve> {
     let mut curves = Vec::new();
     let per_si = axis(signals, frame.units).per_si;
@@ -86,11 +93,10 @@ pub(super) fn curves(ui: &Ui, entries: &[Entry], signals: &[Signal], frame: Fram
                 (0, style) => style,
                 _ => Style::Marked(MARKERS[(place - 1) % MARKERS.len()].0),
             };
-            let full_name = &entry.recording.about.name;
             let name = if frame.is_shared {
-                format!("{} of {}", signal.name, short(full_name))
+                format!("{} of {}", signal.name, name_among(entries, entry))
             } else {
-                full_name.clone()
+                name_among(entries, entry).to_owned()
             };
             let colour = tinted(ui, colour(ui, entry, frame.lit, having.len()), place);
             curves.push(Curve { name, colour, parts: line.parts, style });

@@ -42,7 +42,7 @@ pub(super) fn curves(
             let points: Vec<[f64; 2]> =
                 times.iter().zip(differences).map(|(time, value)| [time + entry.shift_s, value]).collect();
             let parts = thinned(&points, frame.pixels);
-            let name = entry.recording.about.name.clone();
+            let name = content::name_among(entries, entry).to_owned();
             let colour = content::colour(ui, entry, frame.lit, entries.len());
             curves.push(Curve { name, colour, parts, style: theme::style(entry.number) });
         }
