@@ -3,8 +3,8 @@
 mod order;
 
 use egui::{
-    Align, Button, Id, Layout, Pos2, RichText, Role, Sense, Shape, TextWrapMode, Ui, UiBuilder, WidgetInfo,
-    vec2,
+    Align, Button, Id, Layout, Pos2, RichText, Role, Sense, Shape, StrokeKind, TextWrapMode, Ui, UiBuilder,
+    WidgetInfo, vec2,
 };
 use egui_extras::{Column as Width, TableBuilder, TableRow};
 
@@ -253,6 +253,11 @@ fn head(ui: &mut Ui, index: usize, column: &Column, sorting: &mut Option<Sorting
     }
     let button = ui.add(Button::new(text).frame(false));
     button.widget_info(|| WidgetInfo::selected(Role::Button, true, own.is_some(), &name));
+    // A button without frame does not show by itself that the keyboard is on it.
+    if button.has_focus() {
+        let ring = ui.visuals().selection.stroke;
+        ui.painter().rect_stroke(button.rect.expand(2.0), 3.0, ring, StrokeKind::Outside);
+    }
     if own.is_some() && !column.is_number {
         arrow(ui, own);
     }

@@ -10,11 +10,14 @@ use crate::platform::{HAS_BENCH, Views};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Command {
     NewSignal,
+    NewModel,
     Open,
     SaveSignal,
     SaveRecording,
     SaveSession,
+    SaveReport,
     Simulate,
+    Start,
     ExportPng,
     ExportSvg,
     ExportCsv,
@@ -41,13 +44,16 @@ const VIEWS: [Key; 9] =
     [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
 /// Commands besides the views with their texts and keys, in the order of the menus.
-const COMMANDS: [(Command, &str, Modifiers, Key); 21] = [
+const COMMANDS: [(Command, &str, Modifiers, Key); 24] = [
     (Command::NewSignal, "New input signal", CTRL, Key::N),
+    (Command::NewModel, "New model...", CTRL_SHIFT, Key::N),
     (Command::Open, "Open...", CTRL, Key::O),
     (Command::SaveSignal, "Save input signal...", CTRL, Key::S),
     (Command::SaveRecording, "Save recording as .csv or .m...", CTRL_SHIFT, Key::S),
     (Command::SaveSession, "Save session...", CTRL_SHIFT, Key::P),
+    (Command::SaveReport, "Save report...", CTRL, Key::P),
     (Command::Simulate, "Simulate the shown recordings", CTRL_SHIFT, Key::M),
+    (Command::Start, "Identify or diagnose, as shown", CTRL, Key::Enter),
     (Command::ExportPng, "as PNG...", CTRL, Key::E),
     (Command::ExportSvg, "as SVG...", CTRL_SHIFT, Key::E),
     (Command::ExportCsv, "as CSV...", CTRL_SHIFT, Key::C),
@@ -78,6 +84,8 @@ impl Command {
             Self::NewSignal,
             Self::SaveSignal,
             Self::SaveSession,
+            Self::SaveReport,
+            Self::Start,
             Self::Undo,
             Self::Redo,
             Self::Cut,

@@ -24,11 +24,19 @@ use crate::layout::Layout;
 use crate::platform::{self, Views};
 use crate::progress::wake;
 
-/// An error or a remark; it is shown until it is dismissed.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// An error, which is shown until it is dismissed, or a remark.
+#[derive(Debug, Clone)]
 struct Notice {
     text: String,
     grave: bool,
+    /// When it was first drawn, s of the window's clock.
+    shown_s: Option<f64>,
+}
+
+impl Notice {
+    fn new(text: impl Into<String>, grave: bool) -> Self {
+        Self { text: text.into(), grave, shown_s: None }
+    }
 }
 
 /// The dashboard with all its views.
@@ -177,16 +185,13 @@ impl Dashboard {
 
     /// Shows a remark.
     pub(crate) fn say(&mut self, text: impl Into<String>) {
-        self.notices.push(Notice { text: text.into(), grave: false });
+        self.notices.push(Notice::new(text, false));
     }
 
     /// Shows an error, unless it is shown already.
     pub fn warn(&mut self, text: impl Into<String>) {
-        self.notify(Notice { text: text.into(), grave: true });
-    }
-
-    fn notify(&mut self, notice: Notice) {
-        if !self.notices.contains(&notice) {
+        let notice = Notice::new(text, true);
+        if self.problems().all(|problem| problem != notice.text) {
             self.notices.push(notice);
         }
     }
@@ -225,7 +230,6 @@ impl Dashboard {
             });
         self.views.get(self.layout.view).bar(ui, &mut self.workspace);
         crate::layout::set_free(&ctx, ui.available_rect_before_wrap());
-        self.messages(ui);
         self.rail(ui);
         self.views.get(self.layout.view).ui(ui, &mut self.workspace, &mut self.seen);
         if let Some(image) = chart::take_picture(&ctx) {
@@ -235,6 +239,7 @@ impl Dashboard {
             });
         }
         self.answer_requests(&ctx);
+        self.messages(&ctx);
         self.dialogs(&ctx);
         if let Some(command) = self.help.is_open.then(|| self.help.ui(&ctx)).flatten() {
             self.run(&ctx, command);

@@ -39,6 +39,22 @@ pub trait ViewPanel {
         None
     }
 
+    /// Whether it identifies or diagnoses, and is not busy with it.
+    fn can_start(&self) -> bool {
+        false
+    }
+
+    /// Begins to identify or to diagnose with its present set-up, or says why it cannot.
+    fn start(&mut self, _ctx: &egui::Context, _workspace: &mut Workspace) {}
+
+    /// Whether it shows what a report can be written of.
+    fn has_report(&self) -> bool {
+        false
+    }
+
+    /// Asks where to write the report.
+    fn save_report(&self, _workspace: &mut Workspace) {}
+
     /// Undoes a change of what it shows.
     fn undo(&mut self, _workspace: &mut Workspace) {}
 

@@ -5,6 +5,7 @@ use socam_chart::theme::{self, Look};
 use socam_workbench::View;
 use socam_workbench::about::short;
 use socam_workbench::input_signal::Settings;
+use socam_workbench::new_model::NewModel;
 use socam_workbench::purpose::Purpose;
 
 use super::Dashboard;
@@ -18,6 +19,8 @@ impl Dashboard {
             Command::SaveRecording => is_any_shown,
             Command::Simulate => self.workspace.simulate.is_some() && is_any_shown,
             Command::ExportAnimation => self.layout.view == View::Machine && self.views.machine.can_film(),
+            Command::Start => self.views.peek(self.layout.view).can_start(),
+            Command::SaveReport => self.views.peek(self.layout.view).has_report(),
             Command::CloseAll => !self.workspace.entries.is_empty(),
             Command::Undo => self.has_history() || self.workspace.signal.history()[0],
             Command::Redo => self.has_history() || self.workspace.signal.history()[1],
@@ -36,11 +39,17 @@ impl Dashboard {
                 self.workspace.signal.change(Settings::default());
                 self.layout.view = View::Live;
             }
+            Command::NewModel => {
+                self.views.machine.describe(NewModel::default());
+                self.layout.view = View::Machine;
+            }
             Command::Open => self.ask(ctx, Purpose::Open, ""),
             Command::SaveSignal => self.ask(ctx, Purpose::SaveSignal, "signal.toml"),
             Command::SaveRecording => self.ask_to_save_recording(ctx),
             Command::SaveSession => self.ask(ctx, Purpose::SaveSession, "bench.session.json"),
+            Command::SaveReport => self.views.peek(self.layout.view).save_report(&mut self.workspace),
             Command::Simulate => self.simulate(ctx),
+            Command::Start => self.views.get(self.layout.view).start(ctx, &mut self.workspace),
             Command::ExportPng => self.ask(ctx, Purpose::Export, "view.png"),
             Command::ExportSvg => self.ask(ctx, Purpose::Export, "view.svg"),
             Command::ExportCsv => self.ask(ctx, Purpose::Export, "view.csv"),

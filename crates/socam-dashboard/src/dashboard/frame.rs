@@ -1,6 +1,8 @@
 //! The frame around every view: menus, tabs, the emergency stop, and messages.
 
-use egui::{Align, Button, Frame, Layout as Direction, Margin, RichText, Stroke, Ui};
+use egui::{
+    Align, Align2, Button, Context, Frame, Id, Layout as Direction, Margin, Order, RichText, Stroke, Ui,
+};
 
 use socam_core::State;
 use socam_workbench::View;
@@ -13,6 +15,10 @@ use socam_chart::theme;
 
 /// Width above which menus, tabs, the state of the bench and the emergency stop fit in one row, points.
 const ONE_ROW: f32 = 1215.0;
+/// Greatest width of messages, points.
+const MESSAGE_WIDTH: f32 = 720.0;
+/// How long a remark is shown, s.
+const REMARK_S: f64 = 12.0;
 
 impl Dashboard {
     /// Menus and tabs at the left, the state of the bench and the emergency stop at the right; the tabs are a row of their own where there
@@ -100,35 +106,54 @@ impl Dashboard {
         }
     }
 
-    /// Errors, remarks and running jobs, below the menus.
-    pub(super) fn messages(&mut self, ui: &mut Ui) {
+    /// Errors, remarks and running jobs, over the lower edge of the window, so that no control moves when one comes or goes. A remark
+    /// goes by itself, an error when it is dismissed.
+    pub(super) fn messages(&mut self, ctx: &Context) {
+        let now_s = ctx.input(|input| input.time);
+        for notice in &mut self.notices {
+            notice.shown_s.get_or_insert(now_s);
+        }
+        self.notices.retain(|notice| notice.grave || notice.shown_s.is_none_or(|at| now_s - at < REMARK_S));
         let is_asking = self.is_asking();
         if self.notices.is_empty() && self.opening.is_empty() && self.saving.is_empty() && !is_asking {
             return;
         }
-        egui::Panel::top("messages").show(ui, |ui| {
-            self.asking(ui);
-            self.opening.retain(|job| !progress::job(ui, job));
-            self.saving.retain(|job| !progress::job(ui, job));
-            let mut put_away = None;
-            for (index, notice) in self.notices.iter().enumerate() {
-                let ground = if notice.grave { theme::alarm_ground(ui) } else { ui.visuals().faint_bg_color };
-                Frame::new().fill(ground).corner_radius(4).inner_margin(Margin::symmetric(8, 4)).show(
-                    ui,
-                    |ui| {
-                        ui.horizontal(|ui| {
-                            if ui.button("Dismiss").clicked() {
-                                put_away = Some(index);
-                            }
-                            ui.add(egui::Label::new(&notice.text).wrap());
-                            ui.allocate_space(egui::vec2(ui.available_width(), 0.0));
-                        });
-                    },
-                );
+        let room = ctx.content_rect().size();
+        egui::Area::new(Id::unique("messages"))
+            .order(Order::Foreground)
+            .anchor(Align2::CENTER_BOTTOM, [0.0, -8.0])
+            .show(ctx, |ui| {
+                Frame::popup(ui.style()).show(ui, |ui| {
+                    ui.set_width((room.x - 40.0).min(MESSAGE_WIDTH));
+                    egui::ScrollArea::vertical().max_height(room.y / 2.0).show(ui, |ui| {
+                        self.asking(ui);
+                        self.opening.retain(|job| !progress::job(ui, job));
+                        self.saving.retain(|job| !progress::job(ui, job));
+                        self.show_notices(ui);
+                    });
+                });
+            });
+    }
+
+    fn show_notices(&mut self, ui: &mut Ui) {
+        let mut put_away = None;
+        for (index, notice) in self.notices.iter().enumerate() {
+            if !notice.grave {
+                ui.ctx().request_repaint_after_secs(1.0);
             }
-            if let Some(index) = put_away {
-                self.notices.remove(index);
-            }
-        });
+            let ground = if notice.grave { theme::alarm_ground(ui) } else { ui.visuals().faint_bg_color };
+            Frame::new().fill(ground).corner_radius(4).inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    if ui.button("Dismiss").clicked() {
+                        put_away = Some(index);
+                    }
+                    ui.add(egui::Label::new(&notice.text).wrap());
+                    ui.allocate_space(egui::vec2(ui.available_width(), 0.0));
+                });
+            });
+        }
+        if let Some(index) = put_away {
+            self.notices.remove(index);
+        }
     }
 }

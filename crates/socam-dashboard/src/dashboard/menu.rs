@@ -56,14 +56,18 @@ impl Dashboard {
     }
 
     fn file_menu(&mut self, ui: &mut Ui) {
-        self.items(ui, &[Command::NewSignal, Command::Open]);
+        self.items(ui, &[Command::NewSignal, Command::NewModel, Command::Open]);
         if !self.layout.recent.is_empty() {
             ui.menu_button("Open recent", |ui| self.recent_menu(ui));
         }
-        self.items(ui, &[Command::SaveSignal, Command::SaveRecording, Command::SaveSession]);
+        self.items(
+            ui,
+            &[Command::SaveSignal, Command::SaveRecording, Command::SaveSession, Command::SaveReport],
+        );
         if self.workspace.simulate.is_some() {
             self.items(ui, &[Command::Simulate]);
         }
+        self.items(ui, &[Command::Start]);
         ui.separator();
         ui.menu_button("Export what is seen", |ui| {
             self.items(

@@ -9,7 +9,7 @@ use socam_workbench::document::Document;
 use socam_workbench::job::{CANCELLED, Handle, Job};
 use socam_workbench::purpose::Purpose;
 
-use super::{Dashboard, Notice};
+use super::Dashboard;
 use crate::platform::{self, Found};
 use crate::progress::wake;
 
@@ -48,7 +48,7 @@ impl Dashboard {
                     self.show_found(found, path.as_deref());
                 }
                 Err((sentence, _)) if sentence == CANCELLED => {}
-                Err((text, _)) => self.notify(Notice { text, grave: true }),
+                Err((text, _)) => self.warn(text),
             }
         }
     }

@@ -26,6 +26,8 @@ pub(super) struct Dialog {
     entries: Vec<Row>,
     /// Why the typed folder is not shown.
     problem: Option<String>,
+    /// Whether it has not been drawn yet.
+    is_new: bool,
 }
 
 /// A file or a folder.
@@ -70,6 +72,7 @@ impl Dialog {
             chosen: BTreeSet::new(),
             entries: Vec::new(),
             problem: None,
+            is_new: true,
         };
         dialog.go(folder.into());
         dialog
@@ -104,6 +107,7 @@ impl Dialog {
     /// Draws it; `Some` when it ended.
     pub(super) fn ui(&mut self, ctx: &egui::Context) -> Option<Answer> {
         let mut answer = None;
+        let mut is_entered = false;
         let modal = Modal::new(egui::Id::unique("files")).show(ctx, |ui| {
             ui.set_width(560.0_f32.min(ui.ctx().content_rect().width() - 40.0));
             let opens = self.purpose == Purpose::Open;
@@ -113,7 +117,12 @@ impl Dialog {
             if !opens {
                 ui.horizontal(|ui| {
                     let label = ui.label("Name");
-                    ui.add(TextEdit::singleline(&mut self.name).desired_width(400.0)).labelled_by(label.id);
+                    let field = ui.add(TextEdit::singleline(&mut self.name).desired_width(400.0));
+                    let field = field.labelled_by(label.id);
+                    if self.is_new {
+                        field.request_focus();
+                    }
+                    is_entered |= field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
                 });
             }
             ui.separator();
@@ -124,7 +133,7 @@ impl Dialog {
                 } else {
                     ("Save", Some(self.folder.join(self.name.trim())))
                 };
-                if ui.add_enabled(ready, Button::new(word)).clicked() {
+                if ui.add_enabled(ready, Button::new(word)).clicked() || (is_entered && ready) {
                     answer = Some(Answer::Files(
                         file.map_or_else(|| self.chosen.iter().cloned().collect(), |file| vec![file]),
                     ));
@@ -143,6 +152,7 @@ impl Dialog {
                 answer = Some(Answer::Files(vec![file.clone()]));
             }
         });
+        self.is_new = false;
         // A click beside the dialog does not give up what is chosen in it.
         if modal.should_close() && !modal.backdrop_response.clicked() {
             answer.get_or_insert(Answer::Cancelled);
@@ -176,12 +186,23 @@ impl Dialog {
         }
         let hint = RichText::new("Search in this folder").color(theme::weak(ui));
         let field = TextEdit::singleline(&mut self.search).hint_text(hint).desired_width(f32::INFINITY);
-        ui.add(field).widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Search in this folder"));
+        let field = ui.add(field);
+        field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Search in this folder"));
+        if self.is_new && self.purpose == Purpose::Open {
+            field.request_focus();
+        }
         let words = self.search.to_lowercase();
         let is_found =
             |row: &&Row| words.split_whitespace().all(|word| row.name().to_lowercase().contains(word));
         let rows: Vec<Row> = self.entries.iter().filter(is_found).cloned().collect();
         let mut pressed = None;
+        // What was searched for until one was left is opened by Enter.
+        if let [only] = &rows[..]
+            && field.lost_focus()
+            && ui.input(|input| input.key_pressed(egui::Key::Enter))
+        {
+            pressed = Some((only.clone(), true));
+        }
         ui.allocate_ui(egui::vec2(ui.available_width(), HEIGHT), |ui| {
             ui.set_min_height(HEIGHT);
             if rows.is_empty() {

@@ -78,7 +78,7 @@ impl Dashboard {
             for name in held_out {
                 self.workspace.setup.use_as(&name, Role::HoldOut);
             }
-            self.views.diagnosis.start(ctx, &self.workspace);
+            self.views.diagnosis.begin(ctx, &self.workspace);
             self.layout.view = View::Diagnosis;
         }
         if std::mem::take(&mut self.own.watches) {

@@ -48,7 +48,7 @@ pub(crate) struct Shown {
 
 impl ViewPanel for DiagnosisPage {
     fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
-        self.panels(ui, workspace, seen, EMPTY, |_, _, _| {});
+        self.panels(ui, workspace, seen, ["No diagnosis yet", EMPTY], |_, _, _| {});
     }
 
     fn poll(&mut self, _: &egui::Context, workspace: &mut Workspace) {
@@ -82,13 +82,13 @@ impl ViewPanel for DiagnosisPage {
 }
 
 impl DiagnosisPage {
-    /// Draws the panels of the diagnosis, with `above` over the list of findings. `empty` is the text where there is no diagnosis.
+    /// Draws the panels of the diagnosis, with `above` over the list of findings. `empty` are the title and the text where there is no diagnosis.
     pub(crate) fn panels(
         &mut self,
         ui: &mut Ui,
         workspace: &mut Workspace,
         seen: &mut Vec<Seen>,
-        empty: &str,
+        empty: [&str; 2],
         above: impl FnOnce(&mut Ui, &mut Workspace, Option<&Shown>),
     ) {
         let mut wanted = None;
@@ -109,6 +109,11 @@ impl DiagnosisPage {
         if let Some(profile) = wanted {
             workspace.request(Request::Signal(Box::new(profile)));
         }
+    }
+
+    /// The diagnosis that is shown.
+    pub(crate) fn shown(&self) -> Option<&Shown> {
+        self.shown.as_ref()
     }
 
     /// Tells the verdict, the findings and what to record next to the rail, once.
@@ -159,10 +164,10 @@ impl DiagnosisPage {
         self.shown = Some(Shown { diagnosis, evidence, model });
     }
 
-    fn pictures(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>, empty: &str) {
+    fn pictures(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>, [title, text]: [&str; 2]) {
         let Self { shown, sides, over, channel, recording, selected, scrolled, .. } = self;
         let Some(Shown { diagnosis, evidence, model }) = shown else {
-            chart::empty_state(ui, "No diagnosis yet", empty);
+            chart::empty_state(ui, title, text);
             return;
         };
         let drawing_height = drawing::height(model, diagnosis, ui.available_width());

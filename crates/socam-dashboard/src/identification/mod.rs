@@ -19,7 +19,8 @@ pub struct IdentificationPage {
 
 impl ViewPanel for IdentificationPage {
     fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, _: &mut Vec<Seen>) {
-        egui::CentralPanel::default().show(ui, |ui| self.contents(ui, workspace, EMPTY));
+        egui::CentralPanel::default()
+            .show(ui, |ui| self.contents(ui, workspace, ["No identification yet", EMPTY]));
     }
 
     fn poll(&mut self, _: &egui::Context, workspace: &mut Workspace) {
@@ -59,8 +60,8 @@ impl IdentificationPage {
         workspace.rail.set(Step::Identify, verdict, recordings);
     }
 
-    /// Draws the verdict and the tables, or `empty`, what to do where there is none.
-    pub(crate) fn contents(&self, ui: &mut Ui, workspace: &mut Workspace, empty: &str) {
+    /// Draws the verdict and the tables, or the title and text of an empty view where there is none.
+    pub(crate) fn contents(&self, ui: &mut Ui, workspace: &mut Workspace, [title, text]: [&str; 2]) {
         match &self.shown {
             Some(shown) => {
                 let page = ScrollArea::vertical().auto_shrink(false);
@@ -68,7 +69,7 @@ impl IdentificationPage {
                     workspace.request(Request::Show(View::Diagnosis));
                 }
             }
-            None => chart::empty_state(ui, "No identification yet", empty),
+            None => chart::empty_state(ui, title, text),
         }
     }
 }

@@ -1,20 +1,23 @@
 //! The form of a new model: words, the sentence under the field that is wrong, and the words that are understood.
 
-use egui::{Button, CollapsingHeader, Label, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Button, CollapsingHeader, Label, Response, RichText, Role, TextEdit, Ui, WidgetInfo};
 use socam_chart::theme;
 use socam_workbench::new_model::{Field, GRAMMAR, NewModel};
 use socam_workbench::purpose::Purpose;
 use socam_workbench::recording::short;
 use socam_workbench::{Content, Request, Workspace};
 
-/// Draws the form; true when it is left.
-pub(super) fn ui(ui: &mut Ui, form: &mut NewModel, workspace: &mut Workspace) -> bool {
+/// Draws the form, whose parts take the keyboard's focus when it `is_new`; true when it is left.
+pub(super) fn ui(ui: &mut Ui, form: &mut NewModel, workspace: &mut Workspace, is_new: bool) -> bool {
     ui.heading("New model");
     let text = "From the motor to the load, with | between the parts. It is drawn as you type.";
     ui.add(Label::new(RichText::new(text).color(theme::weak(ui))).wrap());
     ui.add_space(4.0);
     field(ui, "Name of the model", &mut form.words.name, 1);
-    field(ui, "Parts", &mut form.words.chain, 4);
+    let parts = field(ui, "Parts", &mut form.words.chain, 4);
+    if is_new {
+        parts.request_focus();
+    }
     under(ui, form, Field::Chain);
     field(ui, "Drives", &mut form.words.drives, 1);
     under(ui, form, Field::Drives);
@@ -29,12 +32,13 @@ pub(super) fn ui(ui: &mut Ui, form: &mut NewModel, workspace: &mut Workspace) ->
 }
 
 /// A field below its name. Text of several lines has one entry a line, but for the parts.
-fn field(ui: &mut Ui, name: &str, text: &mut String, rows: usize) {
+fn field(ui: &mut Ui, name: &str, text: &mut String, rows: usize) -> Response {
     ui.strong(name);
     let edit =
         if rows == 1 { TextEdit::singleline(text) } else { TextEdit::multiline(text).desired_rows(rows) };
     let field = ui.add(edit.desired_width(f32::INFINITY));
     field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, name));
+    field
 }
 
 /// What is wrong with a field.
@@ -83,7 +87,7 @@ fn buttons(ui: &mut Ui, form: &NewModel, workspace: &mut Workspace) -> bool {
 
 /// The words of the builder: examples with what they mean.
 fn grammar(ui: &mut Ui) {
-    for line in GRAMMAR.lines() {
+    for line in GRAMMAR.replace('`', "").lines() {
         match line.strip_prefix("  ").map(|line| line.split_once("  ").unwrap_or((line, ""))) {
             Some((example, meaning)) => {
                 ui.add(Label::new(RichText::new(example).monospace().size(12.0)).wrap());

@@ -35,6 +35,8 @@ pub struct MachineView {
     /// What is played, and how.
     pub player: Player,
     form: Option<NewModel>,
+    /// Whether the form has just been opened.
+    takes_focus: bool,
     editor: details::Editor,
     history: ModelHistory,
     motions: motions::Motions,
@@ -109,6 +111,7 @@ impl MachineView {
     /// Opens the form of a new model.
     pub fn describe(&mut self, form: NewModel) {
         self.form = Some(form);
+        self.takes_focus = true;
     }
 
     /// Whether a recording is played, so that an animation of it can be drawn.
@@ -120,7 +123,7 @@ impl MachineView {
     fn side(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
         ui.add_space(4.0);
         if let Some(form) = &mut self.form {
-            if describe::ui(ui, form, workspace) {
+            if describe::ui(ui, form, workspace, std::mem::take(&mut self.takes_focus)) {
                 self.form = None;
             }
             return;
@@ -161,7 +164,7 @@ impl MachineView {
                 workspace.request(Request::Ask);
             }
             if ui.button("New model...").on_hover_text("Describe the machine in a line of words").clicked() {
-                self.form = Some(NewModel::default());
+                self.describe(NewModel::default());
             }
             if ui.button("Save model file...").clicked() {
                 let content = Content::Bytes(workspace.model().text.clone().into_bytes());

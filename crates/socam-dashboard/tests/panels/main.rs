@@ -6,6 +6,7 @@ mod commands;
 mod files;
 mod fits;
 mod fleet;
+mod keyboard;
 mod live;
 mod machine;
 mod pictures;

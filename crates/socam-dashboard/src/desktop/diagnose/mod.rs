@@ -29,7 +29,8 @@ pub struct Diagnose {
 impl ViewPanel for Diagnose {
     fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
         let Self { page, maker, made } = self;
-        page.panels(ui, workspace, seen, EMPTY, |ui, workspace, shown| {
+        let empty = if maker.is_busy() { RUNNING } else { EMPTY };
+        page.panels(ui, workspace, seen, empty, |ui, workspace, shown| {
             maker.ui(ui, workspace);
             if let Some((shown, made)) = shown.zip(made.as_ref()) {
                 made.offers(ui, workspace, shown);
@@ -53,6 +54,24 @@ impl ViewPanel for Diagnose {
         self.maker.is_busy()
     }
 
+    fn can_start(&self) -> bool {
+        !self.maker.is_busy()
+    }
+
+    fn start(&mut self, ctx: &Context, workspace: &mut Workspace) {
+        self.begin(ctx, workspace);
+    }
+
+    fn has_report(&self) -> bool {
+        self.made.is_some() && self.page.shown().is_some_and(|shown| shown.evidence.is_some())
+    }
+
+    fn save_report(&self, workspace: &mut Workspace) {
+        if let Some((shown, made)) = self.page.shown().zip(self.made.as_ref()) {
+            made.save_report(workspace, shown);
+        }
+    }
+
     fn help() -> Help {
         static ALL: LazyLock<Vec<(&str, &str)>> = LazyLock::new(|| [MAKING, DiagnosisPage::help()].concat());
         &ALL
@@ -61,7 +80,7 @@ impl ViewPanel for Diagnose {
 
 impl Diagnose {
     /// Starts a diagnosis with the present set-up.
-    pub(crate) fn start(&mut self, ctx: &Context, workspace: &Workspace) {
+    pub(crate) fn begin(&mut self, ctx: &Context, workspace: &Workspace) {
         self.maker.start(ctx, workspace);
     }
 
@@ -95,4 +114,9 @@ const MAKING: Help = &[
     ("Use as model; Save model file...", "the corrected model"),
 ];
 
-const EMPTY: &str = "Choose recordings and a model at the left and press Diagnose. The drawing then shows where model and recordings part. A saved report is opened by its diagnosis.json, with Ctrl+O, or by dropping its folder here.";
+const EMPTY: [&str; 2] = [
+    "No diagnosis yet",
+    "Choose recordings and a model at the left and press Diagnose. The drawing then shows where model and recordings part. A saved report is opened by its diagnosis.json, with Ctrl+O, or by dropping its folder here.",
+];
+const RUNNING: [&str; 2] =
+    ["A diagnosis runs", "Its progress is at the left. The other views can be used meanwhile."];

@@ -63,19 +63,27 @@ impl Report {
 }
 
 impl Made {
+    /// Asks where to write the report.
+    pub(super) fn save_report(&self, workspace: &mut Workspace, shown: &Shown) {
+        let Some(evidence) = &shown.evidence else { return };
+        let report = Report {
+            diagnosis: shown.diagnosis.clone(),
+            evidence: evidence.clone(),
+            model: shown.model.clone(),
+            made: self.clone(),
+        };
+        let content = Content::Report(Box::new(move |folder: &Path| report.write(folder)));
+        workspace.request(Request::SaveAs(Purpose::SaveReport, "diagnosis".into(), content));
+    }
+
     /// Draws what can be done with a diagnosis that was made here.
     pub(super) fn offers(&self, ui: &mut Ui, workspace: &mut Workspace, shown: &Shown) {
-        let Some(evidence) = &shown.evidence else { return };
+        if shown.evidence.is_none() {
+            return;
+        }
         ui.horizontal_wrapped(|ui| {
             if ui.button("Save report...").clicked() {
-                let report = Report {
-                    diagnosis: shown.diagnosis.clone(),
-                    evidence: evidence.clone(),
-                    model: shown.model.clone(),
-                    made: self.clone(),
-                };
-                let content = Content::Report(Box::new(move |folder: &Path| report.write(folder)));
-                workspace.request(Request::SaveAs(Purpose::SaveReport, "diagnosis".into(), content));
+                self.save_report(workspace, shown);
             }
             if ui.button("Use as model").clicked() {
                 match Model::parse(&self.model_toml) {

@@ -44,7 +44,8 @@ impl ViewPanel for Identify {
                     self.pictures.ui(ui, &found.predictions, seen);
                 });
             }
-            self.page.contents(ui, workspace, EMPTY);
+            let empty = if self.start.is_busy() { RUNNING } else { EMPTY };
+            self.page.contents(ui, workspace, empty);
         });
     }
 
@@ -63,6 +64,14 @@ impl ViewPanel for Identify {
 
     fn is_busy(&self) -> bool {
         self.start.is_busy()
+    }
+
+    fn can_start(&self) -> bool {
+        !self.start.is_busy()
+    }
+
+    fn start(&mut self, ctx: &egui::Context, workspace: &mut Workspace) {
+        self.start.begin(ctx, workspace);
     }
 
     fn help() -> Help {
@@ -113,4 +122,9 @@ impl Identify {
     }
 }
 
-const EMPTY: &str = "Choose recordings and a model at the left and press Identify parameters. Every parameter is then shown with its 95 % interval, and what the recordings do not determine is named. A saved result (.json) can be opened with Ctrl+O or dropped here.";
+const EMPTY: [&str; 2] = [
+    "No identification yet",
+    "Choose recordings and a model at the left and press Identify parameters. Every parameter is then shown with its 95 % interval, and what the recordings do not determine is named. A saved result (.json) can be opened with Ctrl+O or dropped here.",
+];
+const RUNNING: [&str; 2] =
+    ["An identification runs", "Its progress is at the left. The other views can be used meanwhile."];

@@ -1,7 +1,7 @@
 //! The set-up of an identification, and the running one.
 
 use super::super::attempt;
-use egui::{Button, RichText, Ui};
+use egui::{Button, Context, RichText, Ui};
 use socam_job::Identify;
 
 use super::super::fitting::options::{First, Form, Layout, Offered};
@@ -9,7 +9,7 @@ use super::super::fitting::{command, setup};
 use super::run::{self, Found};
 use crate::progress::wake;
 use socam_chart::theme;
-use socam_workbench::job::Attempt;
+use socam_workbench::job::{Attempt, Handle};
 use socam_workbench::setup::Chosen;
 use socam_workbench::{Request, Workspace};
 
@@ -61,12 +61,8 @@ impl Start {
         let task = self.task(chosen.as_ref().ok());
         ui.horizontal_wrapped(|ui| {
             let button = Button::new(RichText::new("Identify parameters").strong());
-            let is_clicked = ui.add_enabled(chosen.is_ok() && task.is_ok(), button).clicked();
-            if let (true, Ok(chosen), Ok(task)) = (is_clicked, &chosen, &task) {
-                let (task, chosen) = (task.clone(), chosen.clone());
-                self.attempt.start("reading recordings", &wake(ui.ctx()), move |handle| {
-                    run::identify(&task, &chosen, handle)
-                });
+            if ui.add_enabled(chosen.is_ok() && task.is_ok(), button).clicked() {
+                self.begin(ui.ctx(), workspace);
             }
             if let Err(problem) = &task {
                 ui.label(RichText::new(problem).color(theme::alarm(ui)));
@@ -84,6 +80,17 @@ impl Start {
             ui.label(RichText::new(problem).color(theme::alarm(ui)));
         }
         ui.separator();
+    }
+
+    /// Begins an identification, or says why it cannot.
+    pub(super) fn begin(&mut self, ctx: &Context, workspace: &Workspace) {
+        match workspace.chosen().and_then(|chosen| Ok((self.task(Some(&chosen))?, chosen))) {
+            Ok((task, chosen)) => {
+                let work = move |handle: &Handle| run::identify(&task, &chosen, handle);
+                self.attempt.start("reading recordings", &wake(ctx), work);
+            }
+            Err(why) => self.attempt.problem = Some(why),
+        }
     }
 
     /// The command that does the same.
