@@ -6,6 +6,7 @@ use socam_samples::Samples;
 
 use crate::derivation::{Derivation, Derived};
 use crate::recording::Recording;
+use crate::session::Note;
 use crate::signal::Signal;
 
 /// A recording in the list, and how it is shown.
@@ -21,6 +22,8 @@ pub struct Entry {
     pub number: usize,
     /// Values that are missing in rows that are there, of all channels.
     pub missing_values: u64,
+    /// Notes that were added in the window.
+    pub notes: Vec<Note>,
     /// Channels that were derived from its own.
     pub(crate) derived: Vec<Derived>,
 }
@@ -33,7 +36,15 @@ impl Entry {
         let number = (0..=others.len()).find(is_free).unwrap_or(others.len());
         let missing_values =
             (0..recording.samples.channels()).map(|own| recording.samples.missing(own)).sum();
-        Self { recording, shown: true, shift_s: 0.0, number, missing_values, derived: Vec::new() }
+        Self {
+            recording,
+            shown: true,
+            shift_s: 0.0,
+            number,
+            missing_values,
+            notes: Vec::new(),
+            derived: Vec::new(),
+        }
     }
 }
 

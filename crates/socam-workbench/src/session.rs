@@ -49,6 +49,19 @@ pub struct Named {
     /// Delay that is added to its times in the drawing, s.
     #[serde(default)]
     pub shift_s: f64,
+    /// Notes that somebody added in the window.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<Note>,
+}
+
+/// A note on a moment of a recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Note {
+    /// Time of the recording, s.
+    pub time_s: f64,
+    /// What somebody saw there.
+    pub text: String,
 }
 
 fn yes() -> bool {
@@ -135,7 +148,8 @@ mod tests {
     fn a_session_survives_its_file_and_says_what_is_missing() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("a.csv"), "t_s,a_V\n0,1\n1,2\n").unwrap();
-        let named = |run: &str| Named { run: run.into(), shown: false, shift_s: 0.5 };
+        let notes = vec![Note { time_s: 0.5, text: "it squeaks".into() }];
+        let named = |run: &str| Named { run: run.into(), shown: false, shift_s: 0.5, notes: notes.clone() };
         let session = Session {
             schema: SCHEMA.into(),
             view: View::Frequency,

@@ -54,6 +54,7 @@ impl Dashboard {
                 run: relative(name, folder),
                 shown: entry.shown,
                 shift_s: entry.shift_s,
+                notes: entry.notes.clone(),
             });
         }
         let mut results = Vec::new();
@@ -122,6 +123,7 @@ impl Dashboard {
             let is_it = |own: &&mut socam_workbench::entry::Entry| own.recording.about.name == named.run;
             if let Some(entry) = self.workspace.entries.iter_mut().find(is_it) {
                 (entry.shown, entry.shift_s) = (named.shown, named.shift_s);
+                entry.notes.clone_from(&named.notes);
             }
         }
         self.layout.view = session.view;

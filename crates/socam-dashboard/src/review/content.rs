@@ -204,6 +204,12 @@ pub(super) fn marks(ui: &Ui, entries: &[Entry], x: [f64; 2]) -> Vec<Flag> {
                 flags.push(Flag { is_short: event.kind == "phase", ..Flag::new(at, text, colour) });
             }
         }
+        for note in &entry.notes {
+            let at = note.time_s + entry.shift_s;
+            if (x[0]..=x[1]).contains(&at) {
+                flags.push(Flag::new(at, format!("note: {}", note.text), theme::line(ui, entry.number)));
+            }
+        }
     }
     flags.sort_by(|a, b| a.x.total_cmp(&b.x).then_with(|| a.text.cmp(&b.text)));
     // Simultaneous events of several recordings with the same text are marked once.

@@ -17,6 +17,10 @@ pub(super) const HELP: Help = &[
         "cursors A and B, set in turns by clicks; the table below has values and differences",
     ),
     ("Zoom to A..B; Z", "shows what is between the cursors"),
+    (
+        "Note...; Text of the note; Add note; time; note",
+        "notes on moments of recordings (N), at cursor A or where the pointer is; they are marked in the plots and kept by a session",
+    ),
     ("Events", "shows or hides the marks of notes, stops, faults and parts of the profile"),
     (
         "Add",

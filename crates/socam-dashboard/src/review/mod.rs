@@ -9,6 +9,7 @@ mod help;
 mod histogram;
 mod keys;
 mod list;
+mod notes;
 mod over_time;
 mod panes;
 mod plots;
@@ -29,6 +30,7 @@ use egui::{ComboBox, Role, Ui, WidgetInfo};
 use crate::progress::{self, wake};
 use crate::view::{Help, ViewPanel};
 use derive::Form;
+use notes::Notes;
 use plots::Plots;
 use socam_chart::chart::{self, Chart, Seen, Shown, hover::Linked, range_of, with_room};
 use socam_workbench::arrangement::{Arrangement, Plot};
@@ -53,6 +55,8 @@ pub struct Review {
     units: DisplayUnits,
     /// The dialog in which a channel is derived.
     form: Option<Form>,
+    /// The window of notes.
+    notes: Option<Notes>,
     /// Whether the marks of events are hidden.
     hides_events: bool,
     /// Cursors A and B, s.
@@ -259,6 +263,11 @@ impl Review {
             requests.extend(self.keys(ui, entries, &signals));
         });
         self.dialog(ui, &signals);
+        if let Some(notes) = &mut self.notes
+            && !notes.ui(ui.ctx(), entries)
+        {
+            self.notes = None;
+        }
         self.remember(ui, entries, &signals);
         requests
     }

@@ -2,6 +2,7 @@
 
 use egui::{Button, Key, RichText, TextStyle, Ui};
 
+use super::notes::Notes;
 use super::plots::Plots;
 use super::{Entry, Review, Signal, Views};
 use socam_chart::theme;
@@ -19,26 +20,35 @@ pub(super) enum Action {
     Histogram,
     Table,
     Derive,
+    Note,
     Even,
     Usual,
     Save,
 }
 
 impl Action {
-    pub(super) const ALL: [Self; 9] = [
+    pub(super) const ALL: [Self; 10] = [
         Self::Xy,
         Self::Spectrogram,
         Self::Statistics,
         Self::Histogram,
         Self::Table,
         Self::Derive,
+        Self::Note,
         Self::Even,
         Self::Usual,
         Self::Save,
     ];
     /// Those of the menu Add.
-    const ADDED: [Self; 6] =
-        [Self::Xy, Self::Spectrogram, Self::Statistics, Self::Histogram, Self::Table, Self::Derive];
+    const ADDED: [Self; 7] = [
+        Self::Xy,
+        Self::Spectrogram,
+        Self::Statistics,
+        Self::Histogram,
+        Self::Table,
+        Self::Derive,
+        Self::Note,
+    ];
 
     fn name(self) -> &'static str {
         match self {
@@ -48,6 +58,7 @@ impl Action {
             Self::Histogram => "Histogram",
             Self::Table => "Table of values",
             Self::Derive => "Derived channel...",
+            Self::Note => "Note...",
             Self::Even => "Equal heights",
             Self::Usual => "One plot per channel",
             Self::Save => "Save layout...",
@@ -64,6 +75,7 @@ impl Action {
             Self::Histogram => "How often values of a channel occur in the range in sight",
             Self::Table => "The rows in sight of one recording, all channels",
             Self::Derive => "Formulas with units, derivative, integral, difference, ratio, product, filters",
+            Self::Note => "A note on a moment of a recording: cursor A, else where the pointer was",
             Self::Even => "All plots of a column get the same height",
             Self::Usual => "Forgets the arrangement, and shows all channels",
             Self::Save => "Plots and derived channels as a file; open it like a recording (Ctrl+O)",
@@ -78,6 +90,7 @@ impl Action {
             Self::Histogram => Some(Key::H),
             Self::Table => Some(Key::V),
             Self::Derive => Some(Key::D),
+            Self::Note => Some(Key::N),
             Self::Even => Some(Key::E),
             Self::Usual | Self::Save => None,
         }
@@ -118,7 +131,8 @@ impl Review {
                 self.fit();
             }
             self.cursor_buttons(ui, entries);
-            if entries.iter().any(|entry| !entry.recording.about.events.is_empty()) {
+            if entries.iter().any(|entry| !entry.recording.about.events.is_empty() || !entry.notes.is_empty())
+            {
                 let mut shows = !self.hides_events;
                 let button = ui.toggle_value(&mut shows, "Events");
                 button.on_hover_text("Marks of notes, stops, faults and parts of the profile");
@@ -198,6 +212,11 @@ impl Review {
             Action::Histogram => self.add(Plot::Histogram(first)),
             Action::Table => self.add(Plot::Table),
             Action::Derive => self.ask_for_channel(&first.name),
+            Action::Note => {
+                let cursor = self.cursors.map(|[a, _]| a);
+                let centre = self.x.map_or(0.0, |[from, to]| 0.5 * (from + to));
+                self.notes = Some(Notes::at(cursor.or(self.linked.at()).unwrap_or(centre)));
+            }
             Action::Even => self.plots.even = true,
             Action::Usual => self.plots = Plots::default(),
             Action::Save => {

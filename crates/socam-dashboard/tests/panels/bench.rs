@@ -174,6 +174,15 @@ fn a_session_is_saved_and_shows_everything_again() {
     window.run_steps(3);
     click(&mut window, "Units");
     click(&mut window, "Show rad/s in rpm");
+    // A note by keys, at the middle of what is seen of the recording that is shown.
+    window.key_press(egui::Key::N);
+    window.run_steps(3);
+    window.event(egui::Event::Text("it squeaks".into()));
+    window.run_steps(2);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    let noted = &window.state().workspace.entries[1].notes;
+    assert!(noted.len() == 1 && noted[0].text == "it squeaks" && (noted[0].time_s - 0.0).abs() < 1e-9);
     click(&mut window, "File");
     click(&mut window, "Save session...");
     click(&mut window, "Save");
@@ -193,6 +202,7 @@ fn a_session_is_saved_and_shows_everything_again() {
     let state = window.state();
     let shown: Vec<_> = state.workspace.entries.iter().map(|entry| (entry.shown, entry.shift_s)).collect();
     assert_eq!(shown, [(false, 0.0), (true, 0.25)]);
+    assert_eq!(state.workspace.entries[1].notes[0].text, "it squeaks");
     assert_eq!((state.views.time.x, state.layout.view), (Some([0.1, 0.4]), View::Time));
     assert_eq!(state.views.time.arrangement().units, kept.units);
     assert!(state.views.identify.page.shown.is_some() && state.problems().count() == 0);
