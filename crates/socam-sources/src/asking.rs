@@ -11,19 +11,24 @@ pub(crate) struct Asking {
     period_ns: i64,
     due_ns: i64,
     asked_ns: Option<i64>,
+    /// The first of the questions without an answer before that one: an answer now may be to it.
+    doubtful_ns: Option<i64>,
     missing: u64,
 }
 
 impl Asking {
     pub(crate) fn new(period_ns: i64) -> Self {
-        Self { period_ns: period_ns.max(1), due_ns: 0, asked_ns: None, missing: 0 }
+        Self { period_ns: period_ns.max(1), due_ns: 0, asked_ns: None, doubtful_ns: None, missing: 0 }
     }
 
     /// Appends the question if it is due; returns the time of the next call.
     pub(crate) fn poll(&mut self, now_ns: i64, question: &[u8], out: &mut Vec<u8>) -> i64 {
         match self.asked_ns {
             Some(asked_ns) if now_ns < asked_ns.saturating_add(ANSWER_NS) => return asked_ns + ANSWER_NS,
-            Some(_) => self.missing += 1,
+            Some(asked_ns) => {
+                self.missing += 1;
+                self.doubtful_ns.get_or_insert(asked_ns);
+            }
             None if now_ns < self.due_ns => return self.due_ns,
             None => {}
         }
@@ -34,9 +39,17 @@ impl Asking {
         now_ns + ANSWER_NS
     }
 
-    /// The answer has arrived: a row without clock or number, taken at some time since the question.
+    /// The answer has arrived: a row without clock or number, taken at some time since the question. After questions without an answer it may be
+    /// to the first of them; then nothing is asked until late answers to the others have had time to come, and those are no rows.
     pub(crate) fn answered(&mut self, arrival_ns: i64, values: Vec<f64>) -> Heard {
-        let spread_ns = self.asked_ns.take().map_or(0, |asked_ns| arrival_ns.saturating_sub(asked_ns));
+        let Some(asked_ns) = self.asked_ns.take() else {
+            return Heard::Damaged("an answer came that was not asked for");
+        };
+        let since_ns = self.doubtful_ns.take();
+        if since_ns.is_some() {
+            self.due_ns = self.due_ns.max(arrival_ns.saturating_add(ANSWER_NS));
+        }
+        let spread_ns = arrival_ns.saturating_sub(since_ns.unwrap_or(asked_ns));
         Heard::Row(Row { device_s: None, number: None, arrival_ns, spread_ns, values })
     }
 
@@ -55,6 +68,6 @@ impl Asking {
         if is_within {
             heard.push(Heard::Damaged("the link broke within it"));
         }
-        self.asked_ns = None;
+        (self.asked_ns, self.doubtful_ns) = (None, None);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::device::source::Link;
+use crate::device::source::{Bus, Link};
 use crate::interrupt::Interrupt;
 use crate::output::WrongArguments;
 
@@ -13,14 +13,14 @@ use super::opened::Opened;
 pub(super) fn open(
     link: &mut Link,
     name: &str,
-    bitrate: u32,
+    bus: &Bus,
     dbc: Option<&Path>,
     interrupt: &Interrupt,
 ) -> anyhow::Result<Opened> {
     use std::sync::Arc;
 
     use socam_import::CanSignals;
-    use socam_sources::can::{CanBus, opening, survey};
+    use socam_sources::can::{Access, CanBus, survey};
     use socam_sources::{Device, Timeline};
 
     use crate::device::source::listen;
@@ -31,7 +31,7 @@ pub(super) fn open(
         return Err(WrongArguments(problem).into());
     };
     let signals = Arc::new(CanSignals::open(dbc)?);
-    let opening = opening(bitrate).map_err(|problem| WrongArguments(format!("{name}: {problem}")))?;
+    let opening = opening(name, bus, Access::Listen)?;
     link.send(&opening)?;
     let heard = listen(link, name, interrupt)?;
     let found = survey(&heard.chunks(), signals).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
@@ -42,12 +42,24 @@ pub(super) fn open(
     Ok(Opened { device: Box::new(device), timeline, heard, description: None })
 }
 
+/// The commands that open the adapter of a bus.
+#[cfg(feature = "formats-can")]
+pub(super) fn opening(
+    name: &str,
+    bus: &Bus,
+    access: socam_sources::can::Access,
+) -> Result<Vec<u8>, WrongArguments> {
+    let bitrate = if let Bus::Slcan(_, rate) = bus { Some(*rate) } else { None };
+    socam_sources::can::opening(bitrate, access)
+        .map_err(|problem| WrongArguments(format!("{name}: {problem}")))
+}
+
 /// A program without a reader of DBC.
 #[cfg(not(feature = "formats-can"))]
 pub(super) fn open(
     _: &mut Link,
     name: &str,
-    _: u32,
+    _: &Bus,
     _: Option<&Path>,
     _: &Interrupt,
 ) -> anyhow::Result<Opened> {
