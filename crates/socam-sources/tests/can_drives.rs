@@ -4,9 +4,12 @@
 
 use proptest::prelude::*;
 use socam_core::{Command, Profile, Shape};
+use socam_sources::can::canopen::{Canopen, Objects};
 use socam_sources::can::odrive::OdriveCan;
 use socam_sources::can::{Access, opening};
-use socam_sources::simulators::{BusSimulator, Firmware, Inertia, Mishap, Motor, Node, OdriveCanSimulator};
+use socam_sources::simulators::{
+    BusSimulator, CanopenSimulator, Firmware, Inertia, Mishap, Motor, Node, OdriveCanSimulator,
+};
 use socam_sources::{Chunk, Commanded, Device, Heard, Limits, Row};
 
 const PERIOD_US: u32 = 2000;
@@ -201,6 +204,117 @@ fn a_node_that_is_not_there_is_said_after_ten_seconds_with_those_that_are() {
     );
     assert!(ran.rows().is_empty() && bus.node.commands == 0);
     assert!(OdriveCan::new(64, 1, Vec::new()).is_err());
+}
+
+/// Objects of a drive; the speed is in tenths of a revolution a minute.
+const OBJECTS: &str = "schema = \"socam.canopen/1\"\n[channels.speed]\nsignal = \"606C:00 i32\"\nunit = \"rpm\"\nscale = 0.1\n\
+    [channels.torque]\nsignal = \"6077:0 i16\"\nunit = \"N m\"\nscale = 0.002\n\
+    [channels.position]\nsignal = \"6064:0 i32\"\nunit = \"counts\"\ncounts_per_turn = 4096\n\
+    [channels.status]\nsignal = \"6041:0 u16\"\nunit = \"1\"\n";
+
+fn canopen(node: u8, objects: &str) -> Canopen {
+    let opening = opening(None, Access::Send).unwrap();
+    Canopen::new(node, Objects::parse(objects).unwrap(), i64::from(PERIOD_US) * 2000, opening).unwrap()
+}
+
+fn turning() -> BusSimulator<CanopenSimulator> {
+    BusSimulator::new(CanopenSimulator::new(5, Motor::turning(12.5, 0.25, 24.0)))
+}
+
+/// Only the objects whose names are given.
+fn only(names: &[&str]) -> String {
+    let tables = OBJECTS.split_inclusive("\n[").map(|table| table.strip_suffix('[').unwrap_or(table));
+    let is_kept = |table: &&str| names.iter().any(|name| table.starts_with(&format!("channels.{name}")));
+    let kept: String = tables.filter(is_kept).map(|table| format!("[{table}\n")).collect();
+    format!("schema = \"socam.canopen/1\"\n{kept}")
+}
+
+#[test]
+fn a_drive_with_canopen_is_read_by_sdo_and_by_its_own_pdos() {
+    for pdo_s in [None, Some(0.002)] {
+        let mut bus = turning();
+        bus.node.pdo_s = pdo_s;
+        let ran = run(&mut canopen(5, OBJECTS), 2.0, &mut bus, |time_s, node| {
+            node.status = if time_s < 1.0 { 0x0237 } else { 0x0218 };
+        });
+        let rows = ran.rows();
+        assert!((450..=500).contains(&rows.len()) && ran.damaged() == 0, "{pdo_s:?} {} {ran:?}", rows.len());
+        for row in &rows[1..] {
+            let time_s = row.arrival_ns as f64 * 1e-9;
+            assert!((row.values[0] - 12.5).abs() < 0.006 && row.values[1] == 0.25, "{row:?}");
+            assert!((row.values[2] - 12.5 * time_s).abs() < 0.02, "{time_s} {row:?}");
+            assert!([f64::from(0x0237), f64::from(0x0218)].contains(&row.values[3]), "{row:?}");
+        }
+        let by =
+            if pdo_s.is_some() { "by the PDOs 185; by SDO: 6077:00, 6064:00" } else { "by SDO: 606C:00" };
+        let says =
+            |text: &str| ran.heard.iter().any(|one| matches!(one, Heard::Talk(said) if said.contains(text)));
+        assert!(says(by) && says("the node is operational") && says("the drive is enabled"), "{ran:?}");
+        assert!(ran.heard.contains(&Heard::Fault("the drive is in a fault".into())));
+        // Nothing is written: each frame is a question for an object.
+        assert!(bus.sent.iter().all(|frame| frame.id == 0x605 && frame.bytes[0] == 0x40));
+    }
+}
+
+#[test]
+fn pdos_alone_give_rows_at_the_drives_rhythm_or_at_that_of_sync() {
+    let mut bus = turning();
+    bus.node.pdo_s = Some(0.001);
+    let ran = run(&mut canopen(5, &only(&["speed", "status"])), 2.0, &mut bus, |_, _| {});
+    assert!((1850..=2000).contains(&ran.rows().len()) && ran.damaged() == 0, "{}", ran.rows().len());
+
+    let (mut bus, synced) = (turning(), only(&["torque"]).replacen('\n', "\nsync = true\n", 1));
+    bus.node.follows_sync = true;
+    let ran = run(&mut canopen(5, &synced), 2.0, &mut bus, |_, _| {});
+    assert!((450..=500).contains(&ran.rows().len()) && ran.damaged() == 0, "{ran:?}");
+    assert!(bus.sent.iter().all(|frame| frame.id == 0x80 || frame.bytes[0] == 0x40));
+}
+
+#[test]
+fn a_list_that_is_not_the_drives_is_refused_by_its_line() {
+    for (list, sentence) in [
+        (
+            OBJECTS.replace("606C:00 i32", "606C:00 i16"),
+            "states 606C:00 with 4 bytes; line 2 of the list says 2",
+        ),
+        (
+            OBJECTS.replace("6077:0", "6078:0"),
+            "does not give 6078:00 (line 6 of the list): there is no such object",
+        ),
+    ] {
+        let ran = run(&mut canopen(5, &list), 2.0, &mut turning(), |_, _| {});
+        assert!(ran.reason().contains(sentence) && ran.rows().is_empty(), "{}", ran.reason());
+    }
+    let mut bus = turning();
+    bus.node.pdo_s = Some(0.001);
+    let ran = run(&mut canopen(5, &only(&["status"]).replace("u16", "u32")), 2.0, &mut bus, |_, _| {});
+    assert!(ran.reason().contains("sends 6041:00 with 16 bits from bit 0 of a PDO"), "{}", ran.reason());
+    for (list, sentence) in [
+        (OBJECTS.replace("606C:00 i32", "606C i32"), "line 3: `signal` is \"606C i32\"; expected index"),
+        (
+            OBJECTS.replace("6077:0 i16", "606C:0 i32"),
+            "line 6: `torque` has the object or the name of line 2",
+        ),
+        (OBJECTS.replace("\"rpm\"", "\"?\""), "not known yet"),
+        ("schema = \"socam.canopen/1\"\n".into(), "it names no channel"),
+    ] {
+        let refused = Objects::parse(&list).unwrap_err().to_string();
+        assert!(refused.contains(sentence), "{refused}");
+    }
+}
+
+#[test]
+fn a_drive_that_sends_no_pdo_or_is_not_there_is_said() {
+    let mut bus = turning();
+    (bus.node.pdo_s, bus.node.is_operational) = (Some(0.001), false);
+    let ran = run(&mut canopen(5, &only(&["speed"])), 15.0, &mut bus, |_, _| {});
+    assert!(
+        ran.reason().contains("node 5 has given no row for 10 s: it is pre-operational and sends no PDO"),
+        "{}",
+        ran.reason()
+    );
+    let ran = run(&mut canopen(6, OBJECTS), 15.0, &mut turning(), |_, _| {});
+    assert!(ran.reason().contains("node 6 does not answer") && ran.end_s < 2.0, "{}", ran.reason());
 }
 
 proptest! {

@@ -4,6 +4,7 @@
 
 mod adapter;
 mod aligner;
+pub mod canopen;
 mod gateway;
 pub mod odrive;
 mod slcan;

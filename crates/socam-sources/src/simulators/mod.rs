@@ -1,6 +1,7 @@
 //! Simulations of drives that answer as the real ones do and obey commands as they do, and of a CAN bus behind an adapter, for tests and rehearsals.
 
 mod bus;
+mod canopen;
 mod dynamixel;
 mod moteus;
 mod motor;
@@ -9,6 +10,7 @@ mod odrive_can;
 mod slcan;
 
 pub use bus::{BusSimulator, Frame, Node};
+pub use canopen::CanopenSimulator;
 pub use dynamixel::DynamixelSimulator;
 pub use moteus::MoteusSimulator;
 pub use motor::{Inertia, Mishap, Motor};

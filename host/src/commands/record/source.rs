@@ -19,9 +19,7 @@ use super::source_result::{outcome, tell};
 use super::{Args, attachment, now_unix_ns, watched};
 use crate::commands::Outcome;
 use crate::device::Device;
-use crate::device::source::{
-    Link, Listened, Node, Place, Protocol, SourceAddress, SourcePlan, listen, record,
-};
+use crate::device::source::{Link, Listened, Node, Protocol, SourceAddress, SourcePlan, listen, record};
 use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
 use crate::output::{self, WrongArguments};
@@ -39,6 +37,18 @@ pub(super) struct SourceArgs {
     /// DBC that says what the frames of a CAN bus hold
     #[arg(long, value_name = "FILE.dbc")]
     dbc: Option<PathBuf>,
+}
+
+impl SourceArgs {
+    /// The DBC of a bus.
+    pub(super) fn dbc(&self) -> Option<&Path> {
+        self.dbc.as_deref()
+    }
+
+    /// The description of a device.
+    pub(super) fn description(&self) -> Option<&Path> {
+        self.describe.as_deref()
+    }
 }
 
 /// What `--device` names.
@@ -151,10 +161,12 @@ fn open(
         Protocol::Moteus(id) => Box::new(Moteus::new(id, period_ns)?),
         Protocol::Odrive(axis) => Box::new(Odrive::new(axis, period_ns)?),
         Protocol::Dynamixel(id) => Box::new(Dynamixel::new(id, period_ns)?),
-        Protocol::Can(_) => {
-            let Place::Bus(bus) = &address.place else { anyhow::bail!("{name} is no bus") };
-            refuse_description(&args.source)?;
-            return can::open(link, &name, bus, args.source.dbc.as_deref(), interrupt);
+        Protocol::Can(node) => {
+            // A list of objects describes a drive with CANopen.
+            if args.source.accept_guesses || !matches!(node, Node::Canopen(_)) {
+                refuse_description(&args.source)?;
+            }
+            return can::open(link, args, address, node, interrupt);
         }
         Protocol::Text => {
             let heard = listen(link, &name, interrupt)?;
