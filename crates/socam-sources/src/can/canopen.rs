@@ -170,6 +170,7 @@ impl Canopen {
         let wanted =
             self.asked.get(self.answered).copied().filter(|_| self.asking.awaits() && !self.is_next_due);
         let Some(index) = wanted.filter(|index| self.objects.all[*index].place == answer.place()) else {
+            self.asking.late(arrival_ns);
             heard.push(Heard::Damaged("an answer of SDO came that was not asked for"));
             return;
         };

@@ -92,10 +92,17 @@ impl CanBus {
             self.frame_ns = Some(arrival_ns);
             let all = self.signals.values(set, &frame.bytes);
             let taken = self.recorded[kind].signals.iter();
-            let values =
-                taken.map(|(place, conversion)| conversion.si(all.get(*place).copied().unwrap_or(f64::NAN)));
+            let values: Vec<f64> = taken
+                .map(|(place, conversion)| conversion.si(all.get(*place).copied().unwrap_or(f64::NAN)))
+                .collect();
+            if values.iter().all(|value| value.is_nan()) {
+                heard.push(Heard::Damaged(
+                    "a frame is too short for the signals of the DBC, or holds no number",
+                ));
+                continue;
+            }
             let device = self.has_stamps;
-            self.aligner.push(kind, time_s, values.collect(), arrival_ns, |time_s, values, arrival_ns| {
+            self.aligner.push(kind, time_s, values, arrival_ns, |time_s, values, arrival_ns| {
                 let device_s = device.then_some(time_s);
                 heard.push(Heard::Row(Row { device_s, number: None, arrival_ns, spread_ns: 0, values }));
             });

@@ -170,6 +170,9 @@ impl OdriveCan {
         }
         if self.asking.awaits() {
             self.row(arrival_ns, heard);
+        } else if matches!(message, Message::Current(_) | Message::Supply(..)) {
+            // Positions are usually sent unasked too, these are not.
+            self.asking.late(arrival_ns);
         }
     }
 

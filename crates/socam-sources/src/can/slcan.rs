@@ -145,6 +145,8 @@ pub(super) fn flags_text(flags: u8) -> String {
 pub(super) struct Stream {
     line: Vec<u8>,
     is_too_long: bool,
+    /// Whether the beginning of the present line was lost.
+    is_headless: bool,
 }
 
 impl Stream {
@@ -155,14 +157,16 @@ impl Stream {
                 // A refusal has no line end.
                 0x07 => {
                     self.line.clear();
-                    self.is_too_long = false;
+                    (self.is_too_long, self.is_headless) = (false, false);
                     take(Said::Answer(false), chunk.arrival_ns(index));
                 }
                 b'\r' => {
-                    let said =
-                        if std::mem::take(&mut self.is_too_long) { Said::Damaged } else { said(&self.line) };
+                    let is_too_long = std::mem::take(&mut self.is_too_long);
+                    if !std::mem::take(&mut self.is_headless) {
+                        let said = if is_too_long { Said::Damaged } else { said(&self.line) };
+                        take(said, chunk.arrival_ns(index));
+                    }
                     self.line.clear();
-                    take(said, chunk.arrival_ns(index));
                 }
                 b'\n' => {}
                 _ if self.line.len() < LONGEST => self.line.push(*byte),
@@ -171,9 +175,9 @@ impl Stream {
         }
     }
 
-    /// Drops an unfinished line; returns whether there was one.
+    /// Drops an unfinished line, and the next one, which may have begun before; returns whether there was one.
     pub(super) fn interrupt(&mut self) -> bool {
-        self.is_too_long = false;
+        (self.is_too_long, self.is_headless) = (false, true);
         let was_within = !self.line.is_empty();
         self.line.clear();
         was_within

@@ -28,7 +28,7 @@ use crate::output::{self, WrongArguments};
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct SourceArgs {
     /// File that says what a device's lines hold: names, units, clock. If there is none, it is written, with a question mark for all that
-    /// the device does not state; complete it and record again
+    /// the device does not state; complete it and record again. For a drive with CANopen, the list of its objects
     #[arg(long, value_name = "D.toml")]
     describe: Option<PathBuf>,
     /// Take units that names suggest without asking, and leave out signals whose names suggest none
@@ -81,7 +81,7 @@ impl FromStr for Target {
         }
         let board = text.parse().map(Self::Board);
         board.map_err(|error: String| {
-            format!("{error}; or another device: serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT, moteus:PATH?id=1, odrive:PATH?axis=0, dynamixel:PATH?id=1, slcan:PATH?bitrate=500k, socketcan:can0, odrive+slcan:PATH?bitrate=500k&node=1")
+            format!("{error}; or another device: serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT, moteus:PATH?id=1, odrive:PATH?axis=0, dynamixel:PATH?id=1, slcan:PATH?bitrate=500k, socketcan:can0, odrive+slcan:PATH?bitrate=500k&node=1, canopen+socketcan:can0?node=5")
         })
     }
 }
