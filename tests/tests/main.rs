@@ -15,6 +15,8 @@ mod board_memory;
 mod board_safety;
 #[cfg(feature = "full")]
 mod browser;
+#[cfg(all(unix, feature = "full"))]
+mod can_drives;
 mod catalogue;
 #[cfg(feature = "full")]
 mod challenge;

@@ -11,6 +11,7 @@
 //! | [`odrive`] | an ODrive by its protocol of text |
 //! | [`dynamixel`] | a Dynamixel servo by its protocol 2; only asked |
 //! | `can` | a CAN bus behind an adapter that speaks slcan, whose signals a DBC describes; only listened to |
+//! | `can::odrive`, `can::canopen` | an ODrive by CAN Simple; a drive by CANopen, only read |
 //! | [`simulators`] | simulations of these drives, for tests and rehearsals |
 //!
 //! A [`Drive`] is a device that can be commanded, by the [`Order`] that its next question carries; [`Commanded`] is the only one that gives

@@ -12,7 +12,8 @@ use crate::device::{Chunk, Device, Heard, Numbering};
 use crate::drive::{Drive, Limits, Order, Readiness, Standing, Watched};
 use crate::error::Result;
 use crate::text::lines::Lines;
-use settings::{Generation, Settings};
+pub(crate) use settings::Generation;
+use settings::Settings;
 
 /// Answers to one question: position and speed, current, voltage, error.
 const ANSWERS: usize = 4;

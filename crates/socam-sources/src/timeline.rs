@@ -50,6 +50,8 @@ const AHEAD_NS: i64 = 1_000_000_000;
 const LATE_ROWS: u32 = 16;
 /// Most rows that are lost at once; a larger step of the device's number is a jump of it.
 const MOST_LOST: u64 = 1_000_000;
+/// Longest tick of a device's clock, ns of the host's: a clock that stands still for longer has stopped.
+const TICK_NS: i64 = 250_000_000;
 /// Longest time by which a row may be overtaken, ns.
 const OVERTAKEN_NS: i64 = 1_000_000_000;
 
@@ -61,6 +63,9 @@ pub struct Timeline {
     wrap_s: Option<f64>,
     last: Option<Last>,
     late_in_a_row: u32,
+    /// Arrival of the first row of the device's present tick, and whether its clock has stopped since.
+    tick_ns: i64,
+    is_stopped: bool,
     period: Period,
     lags: Lags,
     counts: Counts,
@@ -87,6 +92,8 @@ enum Step {
     Repeated,
     Backward(i64),
     Jump,
+    /// The device's clock stands still.
+    Stopped,
 }
 
 impl Timeline {
@@ -98,6 +105,8 @@ impl Timeline {
             wrap_s,
             last: None,
             late_in_a_row: 0,
+            tick_ns: 0,
+            is_stopped: false,
             period: Period::default(),
             lags: Lags::default(),
             counts: Counts::default(),
@@ -150,12 +159,16 @@ impl Timeline {
     /// Time and number of a row.
     pub fn place(&mut self, row: &Row) -> Placed {
         let Some(last) = self.last else {
+            self.tick_ns = row.arrival_ns;
             self.lags.restart(row.device_s, row.arrival_ns);
             return self.keep(row, 0, 0, false);
         };
         let step = self.step(row, last);
         if !matches!(step, Step::Backward(_)) {
             self.late_in_a_row = 0;
+        }
+        if row.device_s != last.device_s {
+            (self.tick_ns, self.is_stopped) = (row.arrival_ns, false);
         }
         match step {
             Step::Repeated => {
@@ -179,14 +192,16 @@ impl Timeline {
                     false,
                 )
             }
-            Step::Backward(_) | Step::Jump => {
+            Step::Backward(_) | Step::Jump | Step::Stopped => {
                 self.late_in_a_row = 0;
-                self.counts.jumps += 1;
+                // A clock that stands still is one jump, however many rows come meanwhile.
+                let is_new = !matches!(step, Step::Stopped) || !std::mem::replace(&mut self.is_stopped, true);
+                self.counts.jumps += u64::from(is_new);
                 let host_ns = row.arrival_ns.saturating_sub(last.arrival_ns).max(1);
                 self.lags.restart(row.device_s, row.arrival_ns);
                 let lost = self.period.even_ns().map_or(0, |period| (host_ns / period - 1).max(0) as u64);
                 let time_ns = last.time_ns.saturating_add(host_ns);
-                self.keep(row, time_ns, last.sequence.saturating_add(1).saturating_add(lost), true)
+                self.keep(row, time_ns, last.sequence.saturating_add(1).saturating_add(lost), is_new)
             }
         }
     }
@@ -213,6 +228,7 @@ impl Timeline {
         let step_ns = (step_s * 1e9).round() as i64;
         match step_ns {
             0 if self.numbers(row, last).is_none_or(|passed| passed == 0) => Step::Repeated,
+            0 if row.arrival_ns.saturating_sub(self.tick_ns) > TICK_NS => Step::Stopped,
             // A clock coarser than the sampling: the rows share its tick.
             0 => Step::By(1000),
             ..0 => Step::Backward(-step_ns),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 use socam_import::CanSignals;
-use socam_sources::can::{CanBus, opening, survey};
+use socam_sources::can::{Access, CanBus, opening, survey};
 use socam_sources::simulators::SlcanSimulator;
 use socam_sources::{Chunk, Device, Heard, Numbering, Row};
 
@@ -57,7 +57,7 @@ fn rows(heard: &[Heard]) -> Vec<&Row> {
 
 fn record(has_stamps: bool) -> (CanBus, Vec<Heard>, Vec<String>, SlcanSimulator) {
     let mut adapter = SlcanSimulator::new(has_stamps);
-    let opening = opening(500_000).unwrap();
+    let opening = opening(Some(500_000), Access::Listen).unwrap();
     adapter.receive(&opening);
     let first = bus(&mut adapter, 0, 1500);
     let found = survey(&first.iter().map(chunk).collect::<Vec<_>>(), signals()).unwrap();
@@ -129,7 +129,7 @@ fn a_bus_without_known_frames_is_refused_by_its_reason() {
     assert!(refused(b"\r\r\x07").contains("the adapter answers, and no frame arrives"));
     assert!(refused(b"").contains("the adapter says nothing"));
     assert!(refused(b"motor 5\r\nhello\r\n").contains("what arrives is not slcan"));
-    assert!(opening(123).unwrap_err().contains("no bit rate of 123"));
+    assert!(opening(Some(123), Access::Listen).unwrap_err().contains("no bit rate of 123"));
 }
 
 #[test]
@@ -152,7 +152,7 @@ proptest! {
             let all = [known.clone(), bytes].concat();
             let chunk = Chunk { bytes: &all, from_ns: 0, until_ns: 1_000_000_000 };
             let found = survey(&[chunk], signals()).unwrap();
-            let mut device = CanBus::new(found, opening(500_000).unwrap());
+            let mut device = CanBus::new(found, opening(Some(500_000), Access::Listen).unwrap());
             let mut heard = Vec::new();
             device.receive(chunk, &mut heard);
             for row in rows(&heard) {

@@ -30,7 +30,7 @@ use source::{SourceArgs, Target};
 
 /// Run a profile on the bench and record it
 ///
-/// A moteus or an ODrive follows the profile within --limit once --arm is given, and is only asked otherwise.
+/// A moteus, or an ODrive by USB or CAN, follows the profile within --limit once --arm is given, and is only asked otherwise.
 ///
 /// Ctrl-C ramps the bench down, a second Ctrl-C stops it at once; the samples recorded until then are kept. A third one ends the program
 /// without waiting for the board, whose watchdog stops the bench then. With --force, an older recording is replaced when the first second of
@@ -46,6 +46,7 @@ use source::{SourceArgs, Target};
   socam-host record --device serial:/dev/ttyACM0?baud=115200 -o run.mcap     lines of text of any microcontroller
   socam-host record --device udp:0.0.0.0:9870 -o run.mcap --describe arm.toml --duration 60s
   socam-host record --device slcan:/dev/ttyACM0?bitrate=500k -o run.mcap --dbc motor.dbc --duration 60s
+  socam-host record --device canopen+socketcan:can0?node=5 -o run.mcap --describe axis.toml --rate 100 --duration 60s
   socam-host record --device moteus:/dev/ttyACM0?id=1 -o run.mcap --profile speeds.toml --limit 30rad/s --limit 0.5Nm --arm")]
 pub(crate) struct Args {
     /// Log to write (.mcap)
@@ -53,7 +54,9 @@ pub(crate) struct Args {
     output: Option<PathBuf>,
     /// Board: serial (the one on USB), serial:PATH, tcp:HOST:PORT, or sim (a virtual one). Lines of text of another device:
     /// serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT. Drives, asked or, with --arm, commanded: moteus:PATH?id=1 (an
-    /// fdcanusb), odrive:PATH?axis=0 (USB). A servo, only asked: dynamixel:PATH?id=1&baud=57600. A CAN bus with --dbc, only listened to: slcan:PATH?bitrate=500k
+    /// fdcanusb), odrive:PATH?axis=0 (USB). A servo, only asked: dynamixel:PATH?id=1&baud=57600. A CAN bus with --dbc, only listened to: slcan:PATH?bitrate=500k,
+    /// socketcan:can0. On a bus, an ODrive, asked or commanded: odrive+slcan:PATH?bitrate=500k&node=1, odrive+socketcan:can0?node=1; a drive
+    /// with CANopen, only read, by a list of its objects in --describe: canopen+socketcan:can0?node=5
     #[arg(long, value_name = "DEVICE", required_unless_present = "list_profiles")]
     device: Option<Target>,
     #[command(flatten)]

@@ -4,7 +4,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use socam_import::CanSignals;
-use socam_sources::can::{CanBus, survey};
+use socam_sources::can::canopen::{Canopen, Objects};
+use socam_sources::can::odrive::OdriveCan;
+use socam_sources::can::{CanBus, Gateway, survey};
 use socam_sources::dynamixel::Dynamixel;
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
@@ -80,6 +82,73 @@ pub(crate) fn slcan(input: Input<'_>) -> bool {
     let bus = || CanBus::new(found().expect("what was found once"), Vec::new());
     let _ = rows(bus(), bytes, 7);
     !rows(bus(), bytes, bytes.len()).is_empty()
+}
+
+/// Objects of a drive with CANopen.
+const OBJECTS: &str = "schema = \"socam.canopen/1\"\n[channels.speed]\nsignal = \"606C:00 i32\"\nunit = \"rpm\"\n\
+    [channels.torque]\nsignal = \"6077:00 f32\"\nunit = \"N m\"\n[channels.status]\nsignal = \"6041:00 u16\"\nunit = \"1\"\n";
+
+/// Frames of an ODrive and of a drive with CANopen, which are asked between them; and the same bytes as commands to a gateway.
+pub(crate) fn can_drives(input: Input<'_>) -> bool {
+    let Ok(objects) = Objects::parse(OBJECTS) else { return false };
+    let (Ok(odrive), Ok(canopen)) =
+        (OdriveCan::new(1, 1, Vec::new()), Canopen::new(1, objects, 1, Vec::new()))
+    else {
+        return false;
+    };
+    let mut gateway = Gateway::default();
+    gateway.take(b"O\r");
+    let _ = gateway.take(input.bytes);
+    is_answered(odrive, input.bytes) | is_answered(canopen, input.bytes)
+}
+
+/// Polls a device before each line; says whether there is a row. Numbers of its rows are finite or missing.
+fn is_answered(mut device: impl Device, bytes: &[u8]) -> bool {
+    let (mut heard, mut out, mut now_ns) = (Vec::new(), Vec::new(), 1);
+    let width = device.channels().len();
+    for bytes in bytes.split_inclusive(|byte| *byte == b'\r') {
+        if device.poll(now_ns, &mut out).is_err() {
+            break;
+        }
+        out.clear();
+        device.receive(Chunk { bytes, from_ns: now_ns, until_ns: now_ns + 1000 }, &mut heard);
+        now_ns += 10_000_000;
+    }
+    device.interrupted(&mut heard);
+    let rows = heard.into_iter().filter_map(|one| if let Heard::Row(row) = one { Some(row) } else { None });
+    let rows: Vec<_> = rows.collect();
+    let is_right = |value: &f64| !value.is_infinite();
+    assert!(rows.iter().all(|row| row.values.len() == width && row.values.iter().all(is_right)), "values");
+    !rows.is_empty()
+}
+
+pub(crate) fn can_drive_seeds(_: &Path) -> Vec<Vec<u8>> {
+    let answers =
+        "t02180000000001000000\rt02980000803F00000040\rt03480000000000008040\rt03780000C0410000003F\r";
+    // The firmware is asked for first.
+    let odrive = "\r".repeat(20) + &answers.repeat(3);
+    let value = |place: &str, bytes: &str| format!("t5818{place}{bytes}\r");
+    let abort = |number: u8| value(&format!("80{number:02X}1801"), "00000206");
+    let torque = value("43776000", "0000803F");
+    let canopen = "\r".to_owned()
+        + &value("43001801", "81010000")
+        + &value("4F001A00", "02000000")
+        + &value("43001A01", "10004160")
+        + &value("43001A02", "20006C60")
+        + &(1..8).map(abort).collect::<String>()
+        + &torque
+        + &format!("t181637020A000000\r{torque}").repeat(4);
+    vec![odrive.into_bytes(), canopen.into_bytes()]
+}
+
+/// A list of objects.
+pub(crate) fn objects(input: Input<'_>) -> bool {
+    let Ok(text) = std::str::from_utf8(input.bytes) else { return false };
+    Objects::parse(text).is_ok_and(|objects| !objects.channels().is_empty())
+}
+
+pub(crate) fn object_seeds(_: &Path) -> Vec<Vec<u8>> {
+    vec![OBJECTS.as_bytes().to_vec(), format!("{OBJECTS}wrap = 65536\n").into_bytes()]
 }
 
 pub(crate) fn slcan_seeds(_: &Path) -> Vec<Vec<u8>> {

@@ -19,7 +19,7 @@ const MOST_VALUES: u64 = 1 << 20;
 const SAMPLE_PERIOD_US: u32 = 1000;
 
 /// All parsers.
-pub const TARGETS: [Target; 20] = [
+pub const TARGETS: [Target; 22] = [
     Target { name: "log", extension: "mcap", parse: log, seeds: seeds::logs },
     Target { name: "damaged-log", extension: "bin", parse: damage::damaged, seeds: damage::recipes },
     Target { name: "csv", extension: "csv", parse: csv, seeds: seeds::tables },
@@ -38,6 +38,13 @@ pub const TARGETS: [Target; 20] = [
     Target { name: "device-lines", extension: "bin", parse: devices::lines, seeds: devices::line_seeds },
     Target { name: "device-frames", extension: "bin", parse: devices::frames, seeds: devices::frame_seeds },
     Target { name: "slcan", extension: "bin", parse: devices::slcan, seeds: devices::slcan_seeds },
+    Target {
+        name: "can-drives",
+        extension: "bin",
+        parse: devices::can_drives,
+        seeds: devices::can_drive_seeds,
+    },
+    Target { name: "objects", extension: "toml", parse: devices::objects, seeds: devices::object_seeds },
     Target { name: "drives", extension: "bin", parse: devices::drives, seeds: devices::drive_seeds },
     Target { name: "board-link", extension: "bin", parse: links::board_link, seeds: seeds::to_board },
 ];

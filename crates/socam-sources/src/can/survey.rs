@@ -127,7 +127,9 @@ impl Heard {
             stream.push(*chunk, |said, arrival_ns| match said {
                 Said::Frame(frame) => heard.frame(signals, &frame, arrival_ns as f64 * 1e-9),
                 Said::Damaged => heard.damaged += 1,
-                Said::Answer(_) | Said::Flags(_) => heard.has_answered = true,
+                Said::Answer(_) | Said::Flags(_) | Said::State(_) | Said::Errors { .. } => {
+                    heard.has_answered = true;
+                }
                 Said::Remote => {}
             });
         }
@@ -136,7 +138,7 @@ impl Heard {
 
     fn frame(&mut self, signals: &CanSignals, frame: &CanFrame, time_s: f64) {
         self.frames += 1;
-        self.stamped += usize::from(frame.stamp_ms.is_some());
+        self.stamped += usize::from(frame.stamp.is_some());
         self.first_s.get_or_insert(time_s);
         self.last_s = time_s;
         let sets = signals.sets(frame.id, frame.is_extended, &frame.bytes);

@@ -6,7 +6,7 @@ use crate::drive::{Limits, Readiness};
 
 /// Generation of the firmware, which names things by it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Generation {
+pub(crate) enum Generation {
     /// 0.5.
     Early,
     /// 0.6.
@@ -48,6 +48,11 @@ impl Generation {
         if self == Self::Early { Self::Late } else { Self::Early }
     }
 
+    /// The bit of an error that its watchdog sets.
+    pub(crate) fn watchdog(self) -> u64 {
+        if self == Self::Early { 0x800 } else { 0x100_0000 }
+    }
+
     /// Name of the measured current.
     pub(super) fn current(self) -> &'static str {
         if self == Self::Early { "motor.current_control.Iq_measured" } else { "motor.foc.Iq_measured" }
@@ -59,7 +64,7 @@ impl Generation {
     }
 
     /// What an error means, in words that follow its number.
-    pub(super) fn error_names(self, code: u64) -> String {
+    pub(crate) fn error_names(self, code: u64) -> String {
         let known = if self == Self::Early { &EARLY_ERRORS[..] } else { &LATE_ERRORS[..] };
         let names: Vec<&str> =
             known.iter().filter(|(bit, _)| code & bit != 0).map(|(_, name)| *name).collect();

@@ -1,15 +1,21 @@
-//! Simulations of drives that answer as the real ones do and obey commands as they do, and of an adapter of CAN, for tests and rehearsals.
+//! Simulations of drives that answer as the real ones do and obey commands as they do, and of a CAN bus behind an adapter, for tests and rehearsals.
 
+mod bus;
+mod canopen;
 mod dynamixel;
 mod moteus;
 mod motor;
 mod odrive;
+mod odrive_can;
 mod slcan;
 
+pub use bus::{BusSimulator, Frame, Node};
+pub use canopen::CanopenSimulator;
 pub use dynamixel::DynamixelSimulator;
 pub use moteus::MoteusSimulator;
 pub use motor::{Inertia, Mishap, Motor};
 pub use odrive::{Firmware, OdriveSimulator};
+pub use odrive_can::OdriveCanSimulator;
 pub use slcan::SlcanSimulator;
 
 /// Takes the whole lines out of bytes.

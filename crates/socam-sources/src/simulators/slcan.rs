@@ -1,6 +1,8 @@
 //! A simulated adapter of CAN that speaks slcan.
 
-/// An adapter. It hands on frames once it is open, and refuses to send any.
+use super::bus::Frame;
+
+/// An adapter. It hands on frames once it is open, and sends some if it was opened for that.
 #[derive(Debug, Default)]
 pub struct SlcanSimulator {
     /// Whether it knows time stamps.
@@ -9,7 +11,10 @@ pub struct SlcanSimulator {
     pub flags: u8,
     /// All commands that it got.
     pub commands: Vec<String>,
+    /// Frames that it was told to send.
+    pub(super) sent: Vec<Frame>,
     is_open: bool,
+    may_send: bool,
     stamps: bool,
     line: Vec<u8>,
 }
@@ -33,12 +38,17 @@ impl SlcanSimulator {
             let is_known = match command.as_str() {
                 "" => true,
                 "C" => {
-                    self.is_open = false;
+                    (self.is_open, self.may_send) = (false, false);
                     true
                 }
-                "L" => {
-                    self.is_open = true;
+                "L" | "O" => {
+                    (self.is_open, self.may_send) = (true, command == "O");
                     true
+                }
+                frame if self.may_send && frame.starts_with(['t', 'r']) => {
+                    let frame = Frame::of(frame);
+                    self.sent.extend(frame.clone());
+                    frame.is_some()
                 }
                 "Z1" => {
                     self.stamps = self.has_stamps;

@@ -62,8 +62,8 @@ pub(super) fn read_layout(fields: &mut Fields<'_>) -> Layout {
     let checksum = fields.maybe_choice("checksum", &checksums).unwrap_or(Checksum::None);
     let mut numbers = Vec::new();
     for text in fields.maybe_texts("fields").unwrap_or_default() {
-        let of = |word: &str| TYPES.iter().find(|(name, _)| *name == word).map(|(_, number)| *number);
-        match text.split_once(' ').and_then(|(word, name)| Some((name.trim().to_owned(), of(word)?))) {
+        match text.split_once(' ').and_then(|(word, name)| Some((name.trim().to_owned(), Number::of(word)?)))
+        {
             Some(number) => numbers.push(number),
             None => {
                 let message = format!(
@@ -120,13 +120,18 @@ impl Layout {
 }
 
 impl Number {
-    fn width(self) -> usize {
+    /// The type of a name, such as `u16`.
+    pub(crate) fn of(name: &str) -> Option<Self> {
+        TYPES.iter().find(|(known, _)| *known == name).map(|(_, number)| *number)
+    }
+
+    pub(crate) fn width(self) -> usize {
         match self {
             Self::Unsigned(width) | Self::Signed(width) | Self::Float(width) => width,
         }
     }
 
-    fn value(self, whole: u64) -> f64 {
+    pub(crate) fn value(self, whole: u64) -> f64 {
         match self {
             Self::Unsigned(_) => whole as f64,
             Self::Signed(width) => {

@@ -5,6 +5,7 @@ mod frames;
 pub(crate) mod lines;
 mod probe;
 mod signal;
+pub(crate) mod unwrap;
 mod value;
 mod write;
 
@@ -23,6 +24,7 @@ pub use frames::{Checksum, Layout, Number};
 pub use lines::Bounds;
 use lines::Lines;
 pub use probe::{Found, probe};
+use unwrap::Unwrap;
 use value::Value;
 
 /// Most lines of talk that are handed on.
@@ -57,13 +59,6 @@ struct Pending {
     values: Vec<Option<Value>>,
     at: Arrival,
     is_begun: bool,
-}
-
-/// A signal that begins anew after a range, made continuous.
-#[derive(Debug, Clone, Copy, Default)]
-struct Unwrap {
-    last: Option<f64>,
-    turns: f64,
 }
 
 impl TextDevice {
@@ -210,16 +205,6 @@ impl Pending {
     fn forget(&mut self) {
         self.is_begun = false;
         self.values.fill(None);
-    }
-}
-
-impl Unwrap {
-    fn take(&mut self, value: f64, wrap: f64) -> f64 {
-        if let Some(last) = self.last {
-            self.turns -= ((value - last) / wrap).round();
-        }
-        self.last = Some(value);
-        value + self.turns * wrap
     }
 }
 

@@ -2,25 +2,45 @@
 
 use std::path::Path;
 
-use crate::device::source::Link;
+use anyhow::bail;
+
+use crate::device::source::{Bus, Link, Node, Place, SourceAddress};
 use crate::interrupt::Interrupt;
 use crate::output::WrongArguments;
 
+use super::Args;
 use super::opened::Opened;
 
-/// Opens the adapter to listen only, and finds which frames the bus has.
+/// Opens what is recorded of a bus.
 #[cfg(feature = "formats-can")]
 pub(super) fn open(
     link: &mut Link,
+    args: &Args,
+    address: &SourceAddress,
+    node: Node,
+    interrupt: &Interrupt,
+) -> anyhow::Result<Opened> {
+    let period_ns = i64::from(args.record.period_us()?) * 1000;
+    match node {
+        Node::Dbc => listened(link, &address.to_string(), bus(address)?, args.source.dbc(), interrupt),
+        Node::Odrive(node) => Ok(Opened::asked(Box::new(odrive(address, node, period_ns)?))),
+        Node::Canopen(node) => canopen(args, address, node, period_ns),
+    }
+}
+
+/// Opens the adapter to listen only, and finds which frames the bus has.
+#[cfg(feature = "formats-can")]
+fn listened(
+    link: &mut Link,
     name: &str,
-    bitrate: u32,
+    bus: &Bus,
     dbc: Option<&Path>,
     interrupt: &Interrupt,
 ) -> anyhow::Result<Opened> {
     use std::sync::Arc;
 
     use socam_import::CanSignals;
-    use socam_sources::can::{CanBus, opening, survey};
+    use socam_sources::can::{Access, CanBus, survey};
     use socam_sources::{Device, Timeline};
 
     use crate::device::source::listen;
@@ -31,7 +51,7 @@ pub(super) fn open(
         return Err(WrongArguments(problem).into());
     };
     let signals = Arc::new(CanSignals::open(dbc)?);
-    let opening = opening(bitrate).map_err(|problem| WrongArguments(format!("{name}: {problem}")))?;
+    let opening = opening(name, bus, Access::Listen)?;
     link.send(&opening)?;
     let heard = listen(link, name, interrupt)?;
     let found = survey(&heard.chunks(), signals).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
@@ -42,15 +62,63 @@ pub(super) fn open(
     Ok(Opened { device: Box::new(device), timeline, heard, description: None })
 }
 
-/// A program without a reader of DBC.
+/// The ODrive of a number on a bus, asked at an interval.
+#[cfg(feature = "formats-can")]
+pub(super) fn odrive(
+    address: &SourceAddress,
+    node: u8,
+    period_ns: i64,
+) -> anyhow::Result<socam_sources::can::odrive::OdriveCan> {
+    use socam_sources::can::{Access, odrive::OdriveCan};
+
+    let opening = opening(&address.to_string(), bus(address)?, Access::Send)?;
+    Ok(OdriveCan::new(node, period_ns, opening)?)
+}
+
+/// The drive of a number on a bus, by the list of its objects.
+#[cfg(feature = "formats-can")]
+fn canopen(args: &Args, address: &SourceAddress, node: u8, period_ns: i64) -> anyhow::Result<Opened> {
+    use socam_sources::can::Access;
+    use socam_sources::can::canopen::{Canopen, Objects};
+
+    let Some(list) = args.source.description() else {
+        let problem = format!(
+            "{address}: which objects are recorded is not known: name a list of them by --describe FILE, as docs/devices.md explains it"
+        );
+        return Err(WrongArguments(problem).into());
+    };
+    let opening = opening(&address.to_string(), bus(address)?, Access::Send)?;
+    let device = Canopen::new(node, Objects::open(list)?, period_ns, opening)?;
+    let text = socam_recording::read_text(list)?;
+    Ok(Opened { description: Some(text), ..Opened::asked(Box::new(device)) })
+}
+
+/// The bus of an address.
+fn bus(address: &SourceAddress) -> anyhow::Result<&Bus> {
+    if let Place::Bus(bus) = &address.place { Ok(bus) } else { bail!("{address} is no CAN bus") }
+}
+
+/// The commands that open the adapter of a bus.
+#[cfg(feature = "formats-can")]
+pub(super) fn opening(
+    name: &str,
+    bus: &Bus,
+    access: socam_sources::can::Access,
+) -> Result<Vec<u8>, WrongArguments> {
+    let bitrate = if let Bus::Slcan(_, rate) = bus { Some(*rate) } else { None };
+    socam_sources::can::opening(bitrate, access)
+        .map_err(|problem| WrongArguments(format!("{name}: {problem}")))
+}
+
+/// A program without CAN.
 #[cfg(not(feature = "formats-can"))]
 pub(super) fn open(
     _: &mut Link,
-    name: &str,
-    _: u32,
-    _: Option<&Path>,
+    _: &Args,
+    address: &SourceAddress,
+    _: Node,
     _: &Interrupt,
 ) -> anyhow::Result<Opened> {
-    let problem = format!("{name}: this program was built without `formats-can`, which reads a CAN bus");
+    let problem = format!("{address}: this program was built without `formats-can`, which reads a CAN bus");
     Err(WrongArguments(problem).into())
 }

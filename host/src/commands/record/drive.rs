@@ -9,6 +9,8 @@ use socam_sources::{Commanded, Device, Drive, Limits};
 
 use super::Args;
 use crate::device::Device as Board;
+#[cfg(feature = "formats-can")]
+use crate::device::source::Node;
 use crate::device::source::{Protocol, SourceAddress};
 use crate::output::{self, WrongArguments};
 
@@ -93,7 +95,12 @@ pub(super) fn armed(args: &Args, address: &SourceAddress) -> anyhow::Result<Opti
         Protocol::Odrive(axis) => {
             follow(args, address, period_us, Odrive::new(axis, period_ns)?, Effort::Current).map(Some)
         }
-        Protocol::Text | Protocol::Slcan(_) | Protocol::Dynamixel(_) => Err(wrong(format!(
+        #[cfg(feature = "formats-can")]
+        Protocol::Can(Node::Odrive(node)) => {
+            let drive = super::can::odrive(address, node, period_ns)?;
+            follow(args, address, period_us, drive, Effort::Current).map(Some)
+        }
+        Protocol::Text | Protocol::Can(_) | Protocol::Dynamixel(_) => Err(wrong(format!(
             "--profile commands a board, a virtual bench or a drive; {address} is only listened to, so leave it out"
         ))),
     }

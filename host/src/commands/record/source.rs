@@ -19,7 +19,7 @@ use super::source_result::{outcome, tell};
 use super::{Args, attachment, now_unix_ns, watched};
 use crate::commands::Outcome;
 use crate::device::Device;
-use crate::device::source::{Link, Listened, Protocol, SourceAddress, SourcePlan, listen, record};
+use crate::device::source::{Link, Listened, Node, Protocol, SourceAddress, SourcePlan, listen, record};
 use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
 use crate::output::{self, WrongArguments};
@@ -28,7 +28,7 @@ use crate::output::{self, WrongArguments};
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct SourceArgs {
     /// File that says what a device's lines hold: names, units, clock. If there is none, it is written, with a question mark for all that
-    /// the device does not state; complete it and record again
+    /// the device does not state; complete it and record again. For a drive with CANopen, the list of its objects
     #[arg(long, value_name = "D.toml")]
     describe: Option<PathBuf>,
     /// Take units that names suggest without asking, and leave out signals whose names suggest none
@@ -37,6 +37,18 @@ pub(super) struct SourceArgs {
     /// DBC that says what the frames of a CAN bus hold
     #[arg(long, value_name = "FILE.dbc")]
     dbc: Option<PathBuf>,
+}
+
+impl SourceArgs {
+    /// The DBC of a bus.
+    pub(super) fn dbc(&self) -> Option<&Path> {
+        self.dbc.as_deref()
+    }
+
+    /// The description of a device.
+    pub(super) fn description(&self) -> Option<&Path> {
+        self.describe.as_deref()
+    }
 }
 
 /// What `--device` names.
@@ -50,16 +62,26 @@ impl FromStr for Target {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let is_other = ["text+", "udp:", "moteus:", "odrive:", "slcan:", "dynamixel:"]
-            .iter()
-            .any(|kind| text.starts_with(kind))
+        let is_other = [
+            "text+",
+            "udp:",
+            "moteus:",
+            "odrive:",
+            "dynamixel:",
+            "slcan:",
+            "socketcan:",
+            "canopen+",
+            "odrive+",
+        ]
+        .iter()
+        .any(|kind| text.starts_with(kind))
             || text.contains("?baud=");
         if is_other {
             return text.parse().map(Self::Source);
         }
         let board = text.parse().map(Self::Board);
         board.map_err(|error: String| {
-            format!("{error}; or another device: serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT, moteus:PATH?id=1, odrive:PATH?axis=0, slcan:PATH?bitrate=500k, dynamixel:PATH?id=1")
+            format!("{error}; or another device: serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT, moteus:PATH?id=1, odrive:PATH?axis=0, dynamixel:PATH?id=1, slcan:PATH?bitrate=500k, socketcan:can0, odrive+slcan:PATH?bitrate=500k&node=1, canopen+socketcan:can0?node=5")
         })
     }
 }
@@ -139,9 +161,12 @@ fn open(
         Protocol::Moteus(id) => Box::new(Moteus::new(id, period_ns)?),
         Protocol::Odrive(axis) => Box::new(Odrive::new(axis, period_ns)?),
         Protocol::Dynamixel(id) => Box::new(Dynamixel::new(id, period_ns)?),
-        Protocol::Slcan(bitrate) => {
-            refuse_description(&args.source)?;
-            return can::open(link, &name, bitrate, args.source.dbc.as_deref(), interrupt);
+        Protocol::Can(node) => {
+            // A list of objects describes a drive with CANopen.
+            if args.source.accept_guesses || !matches!(node, Node::Canopen(_)) {
+                refuse_description(&args.source)?;
+            }
+            return can::open(link, args, address, node, interrupt);
         }
         Protocol::Text => {
             let heard = listen(link, &name, interrupt)?;
@@ -170,7 +195,7 @@ fn refuse_description(args: &SourceArgs) -> Result<(), WrongArguments> {
 
 /// Options that only the own board, or a virtual bench, understands.
 fn refuse_board_options(args: &Args, address: &SourceAddress) -> Result<(), WrongArguments> {
-    let is_can = matches!(address.protocol, Protocol::Slcan(_));
+    let is_can = address.protocol == Protocol::Can(Node::Dbc);
     if args.source.dbc.is_some() && !is_can {
         return Err(WrongArguments(format!(
             "--dbc says what the frames of a CAN bus hold, not what {address} sends"

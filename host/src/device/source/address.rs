@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use super::bus::{Bus, Node};
 use crate::device::Device;
 
 /// Rate of a serial line that states none; USB ignores it.
@@ -20,8 +21,8 @@ pub(crate) enum Protocol {
     Odrive(u8),
     /// The Dynamixel servo of this number.
     Dynamixel(u8),
-    /// A CAN bus of this bit rate, behind an adapter that speaks slcan.
-    Slcan(u32),
+    /// What is recorded of a CAN bus.
+    Can(Node),
 }
 
 /// The other end of a link.
@@ -33,6 +34,8 @@ pub(crate) enum Place {
     Tcp(String),
     /// Packets that are sent to this address of this computer.
     Udp(String),
+    /// A CAN bus.
+    Bus(Bus),
 }
 
 /// A source of samples.
@@ -59,6 +62,9 @@ impl FromStr for SourceAddress {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (kind, rest) = text.split_once(':').ok_or("expected a colon")?;
+        if let Some((protocol, bus)) = super::bus::read(kind, rest)? {
+            return Ok(Self { protocol: Protocol::Can(protocol), place: Place::Bus(bus) });
+        }
         let drive = |key, default, of: fn(u8) -> Protocol| {
             let (path, number) = drive(rest, key, default)?;
             Ok(Self { protocol: of(number), place: Place::Serial(path, BAUD) })
@@ -66,7 +72,6 @@ impl FromStr for SourceAddress {
         match kind {
             "moteus" => return drive("id", 1, Protocol::Moteus),
             "odrive" => return drive("axis", 0, Protocol::Odrive),
-            "slcan" => return slcan(rest),
             "dynamixel" => return dynamixel(rest),
             _ => {}
         }
@@ -114,19 +119,6 @@ fn dynamixel(text: &str) -> Result<SourceAddress, String> {
     Ok(SourceAddress { protocol: Protocol::Dynamixel(id), place: Place::Serial(path.into(), baud) })
 }
 
-/// The path of an adapter's line, and the bit rate of its bus: `/dev/ttyACM0?bitrate=500k`.
-fn slcan(text: &str) -> Result<SourceAddress, String> {
-    let expected = "expected slcan:PATH?bitrate=500k";
-    let (path, rate) = text.split_once("?bitrate=").filter(|(path, _)| !path.is_empty()).ok_or(expected)?;
-    let (digits, factor) = match rate.trim_end_matches(['k', 'K', 'M']) {
-        digits if digits.len() == rate.len() => (digits, 1),
-        digits if rate.ends_with('M') => (digits, 1_000_000),
-        digits => (digits, 1000),
-    };
-    let rate = digits.parse::<u32>().ok().and_then(|rate| rate.checked_mul(factor)).ok_or(expected)?;
-    Ok(SourceAddress { protocol: Protocol::Slcan(rate), place: Place::Serial(path.into(), BAUD) })
-}
-
 /// The path of a drive's line, and its number: `/dev/ttyACM0?id=1`.
 fn drive(text: &str, key: &str, default: u8) -> Result<(String, u8), String> {
     let (path, number) = match text.split_once('?') {
@@ -156,6 +148,7 @@ impl std::fmt::Display for Place {
             Self::Serial(path, baud) => write!(f, "serial:{path}?baud={baud}"),
             Self::Tcp(address) => write!(f, "text+tcp:{address}"),
             Self::Udp(address) => write!(f, "udp:{address}"),
+            Self::Bus(bus) => bus.fmt(f),
         }
     }
 }
@@ -168,7 +161,7 @@ impl std::fmt::Display for SourceAddress {
             (Protocol::Dynamixel(id), Place::Serial(path, baud)) => {
                 write!(f, "dynamixel:{path}?id={id}&baud={baud}")
             }
-            (Protocol::Slcan(rate), Place::Serial(path, _)) => write!(f, "slcan:{path}?bitrate={rate}"),
+            (Protocol::Can(node), Place::Bus(bus)) => node.show(bus, f),
             (_, place) => place.fmt(f),
         }
     }

@@ -9,7 +9,11 @@ use socam_sources::Chunk;
 use socam_sources::text::Bounds;
 
 use super::address::Place;
+use super::bus::Bus;
 use crate::device::stream::{READ_TIMEOUT, Stream, open_serial_at, open_tcp};
+
+/// Rate of the serial line of an adapter of CAN; USB ignores it.
+const ADAPTER_BAUD: u32 = 115_200;
 
 /// Bytes of one read; a packet of UDP fits.
 const READ_BYTES: usize = 1 << 16;
@@ -66,7 +70,7 @@ impl Link {
     /// Where lines of text begin and end.
     pub(crate) fn bounds(&self) -> Bounds {
         match self.place {
-            Place::Serial(..) => Bounds::Ends,
+            Place::Serial(..) | Place::Bus(_) => Bounds::Ends,
             Place::Tcp(_) => Bounds::Connected,
             Place::Udp(_) => Bounds::Chunks,
         }
@@ -157,6 +161,8 @@ fn open(place: &Place) -> anyhow::Result<Open> {
     Ok(match place {
         Place::Serial(path, baud) => Open::Bytes(Box::new(open_serial_at(path, *baud)?)),
         Place::Tcp(address) => Open::Bytes(Box::new(open_tcp(address)?)),
+        Place::Bus(Bus::Slcan(path, _)) => Open::Bytes(Box::new(open_serial_at(path, ADAPTER_BAUD)?)),
+        Place::Bus(Bus::Socket(name)) => Open::Bytes(open_socket(name)?),
         Place::Udp(address) => {
             let socket = UdpSocket::bind(address).with_context(|| {
                 format!("cannot listen at {place}; expected an address of this computer and a free port")
@@ -165,4 +171,17 @@ fn open(place: &Place) -> anyhow::Result<Open> {
             Open::Packets { socket, sender: None }
         }
     })
+}
+
+/// The socket of an interface of this system.
+#[cfg(all(target_os = "linux", feature = "formats-can"))]
+fn open_socket(name: &str) -> anyhow::Result<Box<dyn Stream>> {
+    Ok(Box::new(super::socket::SocketStream::open(name)?))
+}
+
+#[cfg(not(all(target_os = "linux", feature = "formats-can")))]
+fn open_socket(name: &str) -> anyhow::Result<Box<dyn Stream>> {
+    bail!(
+        "socketcan:{name}: sockets of CAN are those of Linux, and of a program that was built with `formats-can`; use an adapter by slcan:PATH?bitrate=500k"
+    )
 }

@@ -1,12 +1,16 @@
 //! Devices other than the own board: where they are, and the link to them; drives among them may follow a profile. Their protocols are those of `socam_sources`.
 
 mod address;
+mod bus;
 mod link;
 mod listen;
 mod report;
 mod run;
+#[cfg(all(target_os = "linux", feature = "formats-can"))]
+mod socket;
 
-pub(crate) use address::{Protocol, SourceAddress};
+pub(crate) use address::{Place, Protocol, SourceAddress};
+pub(crate) use bus::{Bus, Node};
 pub(crate) use link::Link;
 pub(crate) use listen::{Listened, listen};
 pub(crate) use report::{SourceEnd, SourcePlan, SourceReport};

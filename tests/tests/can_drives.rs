@@ -1,0 +1,174 @@
+//! `record` of drives on a CAN bus, as a process: the bus, its adapter and the drive are simulated behind a pseudo-terminal, in real time.
+
+use std::io::{Read, Write};
+use std::process::Stdio;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use serialport::{SerialPort, TTYPort};
+use socam_recording::Dataset;
+use socam_sources::simulators::{
+    BusSimulator, CanopenSimulator, Firmware, Inertia, Motor, Node, OdriveCanSimulator,
+};
+use socam_tests::{Ran, run, socam_host};
+
+/// A sine that reaches 10 rad/s, for 3 s.
+const PROFILE: &str = "schema = \"socam.profile/1\"\ncommand = \"speed\"\nshape = \"sine\"\namplitude_rad_s = 10\nfrequency_Hz = 1\n\
+    ramp_s = 0.5\nlimit_rad_s = 12\nslew_rad_s2 = 200\nduration_s = 3\n";
+const LIMITS: [&str; 4] = ["--limit", "15rad/s", "--limit", "5A"];
+const OBJECTS: &str = "schema = \"socam.canopen/1\"\n[channels.speed]\nsignal = \"606C:00 i32\"\nunit = \"rpm\"\nscale = 0.1\n\
+    [channels.torque]\nsignal = \"6077:00 i16\"\nunit = \"N m\"\nscale = 0.002\n\
+    [channels.status]\nsignal = \"6041:00 u16\"\nunit = \"1\"\n";
+
+/// A bus with a node behind a pseudo-terminal.
+struct Bench<N> {
+    folder: tempfile::TempDir,
+    /// The address of the adapter, to which that of the drive is added.
+    adapter: String,
+    bus: Mutex<BusSimulator<N>>,
+    is_over: AtomicBool,
+}
+
+impl<N: Node + Send> Bench<N> {
+    /// Runs a test with a bench.
+    fn with(node: N, test: impl FnOnce(&Self)) {
+        let (line, theirs) = TTYPort::pair().unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("profile.toml"), PROFILE).unwrap();
+        std::fs::write(folder.path().join("objects.toml"), OBJECTS).unwrap();
+        let bench = Self {
+            folder,
+            adapter: format!("slcan:{}?bitrate=500k", theirs.name().unwrap()),
+            bus: Mutex::new(BusSimulator::new(node)),
+            is_over: AtomicBool::new(false),
+        };
+        std::thread::scope(|scope| {
+            let _ending = Ending(&bench.is_over);
+            scope.spawn(|| bench.serve(line));
+            test(&bench);
+        });
+        drop(theirs);
+    }
+
+    fn serve(&self, mut line: TTYPort) {
+        line.set_timeout(Duration::from_millis(1)).unwrap();
+        let (begin, mut bytes) = (Instant::now(), [0; 4096]);
+        while !self.is_over.load(Ordering::Relaxed) {
+            let count = line.read(&mut bytes).unwrap_or(0);
+            let answer = self.bus.lock().unwrap().receive(begin.elapsed().as_secs_f64(), &bytes[..count]);
+            if !answer.is_empty() {
+                let _ = line.write_all(&answer);
+            }
+        }
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).to_str().unwrap().to_owned()
+    }
+
+    /// Records a drive on the bus, such as `odrive+` of node 3.
+    fn record(&self, drive: &str, node: u8, more: &[&str]) -> Ran {
+        let (log, device) = (self.path("run.mcap"), format!("{drive}{}&node={node}", self.adapter));
+        run(["record", "-o", &log, "--device", &device, "--json"].iter().chain(more))
+    }
+
+    fn recorded(&self) -> Dataset {
+        Dataset::open(&self.path("run.mcap")).unwrap()
+    }
+}
+
+/// Ends the bus when the test ends, also where it fails.
+struct Ending<'o>(&'o AtomicBool);
+
+impl Drop for Ending<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+fn odrive() -> OdriveCanSimulator {
+    OdriveCanSimulator::new(3, Firmware::Late, Motor::at_rest(Inertia::SMALL, 0.1))
+}
+
+#[test]
+fn an_odrive_on_a_bus_follows_a_profile_once_it_is_armed() {
+    Bench::with(odrive(), |bench| {
+        let profile = bench.path("profile.toml");
+        let armed = [&["--profile", &profile], &LIMITS[..]].concat();
+        let refused = bench.record("odrive+", 3, &armed);
+        assert!(refused.refusal(2).contains("nothing was sent: add --arm"), "{refused:?}");
+        assert!(refused.stderr.contains("CAN Simple reads no settings back"), "{refused:?}");
+        assert!(bench.bus.lock().unwrap().adapter.commands.is_empty());
+        let ran = bench.record("odrive+", 3, &[&armed[..], &["--arm", "--rate", "200"]].concat());
+        assert!(ran.code == Some(0) && ran.stdout.contains("\"end\": \"finished\""), "{ran:?}");
+        let data = bench.recorded().load(&["command", "speed"]).unwrap();
+        let [command, speed] = [0, 1].map(|column: usize| data.columns[column].values());
+        let far =
+            command.iter().zip(speed).filter(|(command, speed)| (*command - *speed).abs() > 4.0).count();
+        assert!(command.iter().any(|value| *value > 9.8) && far * 20 < command.len(), "{far}");
+        let bus = bench.bus.lock().unwrap();
+        assert_eq!((bus.node.state, bus.node.error), (1, 0));
+    });
+}
+
+/// The promise of the watchdog: without its host the drive is idle in time.
+#[test]
+fn an_odrive_on_a_bus_whose_host_is_killed_is_idle_after_its_watchdogs_time() {
+    Bench::with(odrive(), |bench| {
+        let (log, profile) = (bench.path("run.mcap"), bench.path("profile.toml"));
+        let device = format!("odrive+{}&node=3", bench.adapter);
+        let mut command = socam_host();
+        command
+            .args(["record", "-o", &log, "--device", &device, "--profile", &profile, "--arm"])
+            .args(LIMITS);
+        let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        let until = |most_s: f64, is_so: &dyn Fn(&OdriveCanSimulator) -> bool| {
+            let begin = Instant::now();
+            while !is_so(&bench.bus.lock().unwrap().node) {
+                assert!(begin.elapsed().as_secs_f64() < most_s, "{:?}", bench.bus.lock().unwrap().node);
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        };
+        until(20.0, &|node| node.motor.speed_rad_s > 5.0);
+        child.kill().unwrap();
+        // The watchdog of 0.2 s, and what a busy computer takes to see it.
+        until(0.4, &|node| node.state == 1 && node.error == 0x100_0000);
+        child.wait().unwrap();
+    });
+}
+
+#[test]
+fn a_drive_with_canopen_is_recorded_by_its_list_and_never_commanded() {
+    let mut node = CanopenSimulator::new(5, Motor::turning(12.5, 0.25, 24.0));
+    node.pdo_s = Some(0.004);
+    Bench::with(node, |bench| {
+        let list = bench.path("objects.toml");
+        let refused = bench.record("canopen+", 5, &[]);
+        assert!(refused.refusal(2).contains("name a list of them by --describe FILE"), "{refused:?}");
+        let refused = bench.record("canopen+", 5, &["--describe", &list, "--profile", "steps"]);
+        assert!(refused.refusal(2).contains("is only listened to"), "{refused:?}");
+        let ran = bench.record("canopen+", 5, &["--describe", &list, "--rate", "100", "--duration", "2s"]);
+        assert!(ran.code == Some(0) && ran.stdout.contains("\"damaged\": 0"), "{ran:?}");
+        let data = bench.recorded().load(&["speed", "torque", "status"]).unwrap();
+        let [speed, torque, status] = [0, 1, 2].map(|column: usize| data.columns[column].values());
+        assert!(speed.len() > 150 && torque.iter().all(|torque| *torque == 0.25), "{}", speed.len());
+        let known: Vec<_> = speed.iter().zip(status).filter(|(speed, _)| !speed.is_nan()).collect();
+        assert!(10 * known.len() > 8 * speed.len(), "{} of {}", known.len(), speed.len());
+        assert!(known.iter().all(|(speed, status)| (*speed - 12.5).abs() < 0.006 && **status == 567.0));
+        let info = run(["info", "--json", &bench.path("run.mcap")]).stdout;
+        assert!(info.contains("device.toml") && info.contains("the drive is enabled"), "{info}");
+        assert!(bench.bus.lock().unwrap().sent.iter().all(|frame| frame.bytes[0] == 0x40));
+    });
+}
+
+#[test]
+fn an_interface_that_is_not_there_is_refused_by_a_helpful_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("run.mcap").to_str().unwrap().to_owned();
+    let refused = run(["record", "-o", &log, "--device", "odrive+socketcan:nosuchcan7?node=1"]);
+    let sentence = refused.refusal(1);
+    assert!(sentence.contains("nosuchcan7") && sentence.contains("slcan:PATH?bitrate=500k"), "{refused:?}");
+    let refused = run(["record", "-o", &log, "--device", "odrive+slcan:/dev/ttyACM0?node=1"]);
+    assert!(refused.refusal(2).contains("expected odrive+slcan:PATH?bitrate=500k&node=1"), "{refused:?}");
+}
