@@ -40,6 +40,11 @@ impl Asking {
         Heard::Row(Row { device_s: None, number: None, arrival_ns, spread_ns, values })
     }
 
+    /// Whether the present question has waited too long for its answer.
+    pub(crate) fn is_overdue(&self, now_ns: i64) -> bool {
+        self.asked_ns.is_some_and(|asked_ns| now_ns >= asked_ns.saturating_add(ANSWER_NS))
+    }
+
     pub(crate) fn awaits(&self) -> bool {
         self.asked_ns.is_some()
     }

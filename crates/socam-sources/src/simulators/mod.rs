@@ -1,12 +1,14 @@
 //! Simulations of drives that answer as the real ones do and obey commands as they do, and of an adapter of CAN, for tests and rehearsals.
 
 mod dynamixel;
+mod feetech;
 mod moteus;
 mod motor;
 mod odrive;
 mod slcan;
 
 pub use dynamixel::DynamixelSimulator;
+pub use feetech::FeetechSimulator;
 pub use moteus::MoteusSimulator;
 pub use motor::{Inertia, Mishap, Motor};
 pub use odrive::{Firmware, OdriveSimulator};

@@ -22,7 +22,11 @@ use frames::Frames;
 pub use frames::{Checksum, Layout, Number};
 pub use lines::Bounds;
 use lines::Lines;
+#[cfg(feature = "foxglove")]
+pub(crate) use probe::conclude;
 pub use probe::{Found, probe};
+#[cfg(feature = "foxglove")]
+pub(crate) use signal::{Role, Signal};
 use value::Value;
 
 /// Most lines of talk that are handed on.
@@ -61,7 +65,7 @@ struct Pending {
 
 /// A signal that begins anew after a range, made continuous.
 #[derive(Debug, Clone, Copy, Default)]
-struct Unwrap {
+pub(crate) struct Unwrap {
     last: Option<f64>,
     turns: f64,
 }
@@ -214,7 +218,8 @@ impl Pending {
 }
 
 impl Unwrap {
-    fn take(&mut self, value: f64, wrap: f64) -> f64 {
+    /// The continuous value of one that begins anew after a range.
+    pub(crate) fn take(&mut self, value: f64, wrap: f64) -> f64 {
         if let Some(last) = self.last {
             self.turns -= ((value - last) / wrap).round();
         }

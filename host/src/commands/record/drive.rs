@@ -93,7 +93,11 @@ pub(super) fn armed(args: &Args, address: &SourceAddress) -> anyhow::Result<Opti
         Protocol::Odrive(axis) => {
             follow(args, address, period_us, Odrive::new(axis, period_ns)?, Effort::Current).map(Some)
         }
-        Protocol::Text | Protocol::Slcan(_) | Protocol::Dynamixel(_) => Err(wrong(format!(
+        Protocol::Text
+        | Protocol::Slcan(_)
+        | Protocol::Dynamixel(_)
+        | Protocol::Feetech(_)
+        | Protocol::Foxglove(_) => Err(wrong(format!(
             "--profile commands a board, a virtual bench or a drive; {address} is only listened to, so leave it out"
         ))),
     }
