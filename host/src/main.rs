@@ -14,6 +14,7 @@ mod live_watch;
 mod output;
 mod provenance;
 mod rules;
+mod serve;
 mod table;
 mod uf2;
 mod watch;

@@ -38,6 +38,8 @@ mod export_model;
 mod firmware_image;
 #[cfg(all(unix, feature = "full"))]
 mod fleet;
+#[cfg(feature = "full")]
+mod foxglove;
 mod frequency;
 mod identify;
 mod import;

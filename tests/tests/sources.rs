@@ -9,7 +9,9 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use serialport::{SerialPort, TTYPort};
-use socam_sources::simulators::{DynamixelSimulator, Firmware, MoteusSimulator, Motor, OdriveSimulator};
+use socam_sources::simulators::{
+    DynamixelSimulator, FeetechSimulator, Firmware, MoteusSimulator, Motor, OdriveSimulator,
+};
 use socam_tests::{Ran, run, socam_host};
 
 /// A name in a folder.
@@ -271,6 +273,46 @@ fn drives_are_asked_at_a_rate_and_recorded() {
         let data = socam_recording::Dataset::open(&log).unwrap().load(&["speed", "voltage"]).unwrap();
         assert!(data.columns[0].values().iter().all(|speed| (speed - 12.5).abs() < 0.013));
         assert!(data.columns[1].values().iter().all(|voltage| *voltage == 24.0));
+    }
+}
+
+/// Servos of one bus whose cable is pulled for a second: one row has the values of all, and the recording goes on.
+#[test]
+fn servos_of_one_bus_are_recorded_together_and_after_their_cable_was_pulled() {
+    let folder = tempfile::tempdir().unwrap();
+    for kind in ["dynamixel", "feetech"] {
+        let (ours, theirs) = TTYPort::pair().unwrap();
+        let device = format!("{kind}:{}?id=1,2,5", theirs.name().unwrap());
+        let log = path(&folder, &format!("{kind}.mcap"));
+        let is_over = AtomicBool::new(false);
+        let ran = std::thread::scope(|scope| {
+            let _ending = Ending(&is_over);
+            scope.spawn(|| {
+                let motor = |id: u8| Motor::turning(f64::from(id), 0.25, 12.0);
+                let mut dynamixels = [1, 2, 5].map(|id| DynamixelSimulator::new(id, 1020, motor(id)));
+                let mut feetechs = [1, 2, 5].map(|id| FeetechSimulator::new(id, motor(id)));
+                drive(&is_over, ours, |time_s, bytes| match kind {
+                    _ if (1.5..2.5).contains(&time_s) => Vec::new(),
+                    "dynamixel" => dynamixels.iter_mut().flat_map(|one| one.receive(time_s, bytes)).collect(),
+                    _ => feetechs.iter_mut().flat_map(|one| one.receive(time_s, bytes)).collect(),
+                });
+            });
+            record(&device, &log, &["--duration", "3s", "--rate", "200"])
+        });
+        let document = document(&ran);
+        assert_eq!((ran.code, &document["end"]), (Some(3), &"finished".into()), "{ran:?}");
+        // A question waits 50 ms for its answer.
+        let [samples, lost] = ["samples", "lost"].map(|key| document[key].as_u64().unwrap());
+        assert!((300..=401).contains(&samples) && (15..=21).contains(&lost), "{ran:?}");
+        let names = ["servo1_speed", "servo2_speed", "servo5_speed"];
+        let data = socam_recording::Dataset::open(&log).unwrap().load(&names).unwrap();
+        for (column, speed_rad_s) in [1.0, 2.0, 5.0].into_iter().enumerate() {
+            assert!(data.columns[column].values().iter().all(|speed| (speed - speed_rad_s).abs() < 0.02));
+        }
+        let info = run(["info", "--json", &log]).stdout;
+        assert!(info.contains("its homing offset is 0"), "{info}");
+        let refused = record(&device.replace("id=1,2,5", "id=1,2,1"), &path(&folder, "x.mcap"), &[]);
+        assert!(refused.refusal(1).contains("a servo is named twice"), "{refused:?}");
     }
 }
 

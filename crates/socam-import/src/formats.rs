@@ -16,7 +16,7 @@ mod mcap;
 #[cfg(feature = "formats-mdf4")]
 mod mdf;
 #[cfg(feature = "formats-ros")]
-mod messages;
+pub(crate) mod messages;
 #[cfg(feature = "formats-arrow")]
 mod parquet;
 #[cfg(feature = "formats-sqlite")]

@@ -24,6 +24,8 @@ mod times;
 pub use error::{ImportError, Result};
 #[cfg(feature = "formats-can")]
 pub use formats::can::{CanSet, CanSignals};
+#[cfg(feature = "formats-ros")]
+pub use formats::messages::{LiveMessages, MessageNumber};
 pub use formats::{FileFormat, Hints, detect, fence::fenced, read};
 pub use import::{Imported, Understood, import};
 pub use mapping::{Between, ChannelMap, Clock, Mapping, SCHEMA, Stamps, Time};

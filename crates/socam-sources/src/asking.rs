@@ -77,6 +77,11 @@ impl Asking {
         }
     }
 
+    /// Whether the present question has waited too long for its answer.
+    pub(crate) fn is_overdue(&self, now_ns: i64) -> bool {
+        self.asked_ns.is_some_and(|asked_ns| now_ns >= asked_ns.saturating_add(ANSWER_NS))
+    }
+
     pub(crate) fn awaits(&self) -> bool {
         self.asked_ns.is_some()
     }

@@ -100,7 +100,7 @@ impl Description {
         let names: Vec<&str> = match &self.form {
             Form::Csv { names, .. } => names.iter().map(String::as_str).collect(),
             Form::Frames(layout) => layout.fields.iter().map(|(name, _)| name.as_str()).collect(),
-            Form::Pairs | Form::Json => return Ok(()),
+            Form::Pairs | Form::Json | Form::Topics => return Ok(()),
         };
         let used = self.channels.iter().map(|channel| (&channel.signal, channel.line));
         let others =

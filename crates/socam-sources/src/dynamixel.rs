@@ -1,21 +1,17 @@
-//! A Dynamixel servo of the X series by its protocol 2. It is asked for each sample, and never commanded.
+//! Dynamixel servos of the X series by their protocol 2.
+//!
+//! Registers and units are those of the manufacturer's e-Manual (emanual.robotis.com/docs/en/dxl/x).
 
 mod packet;
 
 use std::f64::consts::TAU;
 
-use socam_recording::Channel;
 use socam_units::Unit;
 
 use crate::ZERO_CELSIUS_K;
-use crate::asking::Asking;
-use crate::device::{Chunk, Device, Heard, Numbering};
 use crate::error::Result;
-use packet::{Packets, Status, read};
+use crate::servos::{Facts, Make, Quantity, Servos};
 
-/// Registers that are read: the model once, then current, speed, position, voltage and temperature with what lies between them.
-const MODEL: (u16, u16) = (0, 2);
-const SAMPLE: (u16, u16) = (126, 21);
 /// Positions in a turn, and the unit of speeds, rpm.
 const POSITIONS: f64 = 4096.0;
 const SPEED_RPM: f64 = 0.229;
@@ -39,87 +35,35 @@ const CURRENTS: [(u16, f64); 14] = [
     (1200, 1e-3),
 ];
 
-/// A servo that is asked; it is never commanded.
-#[derive(Debug)]
-pub struct Dynamixel {
-    id: u8,
-    channels: Vec<Channel>,
-    /// Number of the model, once it is known.
-    model: Option<u16>,
-    asking: Asking,
-    packets: Packets,
-    error: u8,
-}
+const MAKE: Make = Make {
+    name: "Dynamixel",
+    address: "dynamixel:/dev/ttyUSB0?id=1",
+    largest_id: 252,
+    // The model, and settings up to the limits of the position.
+    facts: (0, 56),
+    // Current, speed, position, voltage and temperature with what lies between them.
+    sample: (126, 21),
+    quantities: &[
+        Quantity::new("position", Unit::Rad, 0.0),
+        Quantity::new("speed", Unit::RadPerS, 0.0),
+        Quantity::new("current", Unit::A, 0.0),
+        Quantity::new("voltage", Unit::V, 0.0),
+        Quantity::new("temperature", Unit::K, ZERO_CELSIUS_K),
+    ],
+    question: packet::question,
+    packet: packet::take,
+    learn,
+    numbers,
+    refusal: !ALERT,
+    fault: |_| "a hardware error, which its register 70 names".into(),
+};
 
-impl Dynamixel {
-    /// The servo of this number (0 to 252), asked at this interval.
-    ///
-    /// # Errors
-    /// When no servo has this number.
-    pub fn new(id: u8, period_ns: i64) -> Result<Self> {
-        if id > 252 {
-            let problem = format!(
-                "{id} is no number of a Dynamixel; expected 0 to 252, as in dynamixel:/dev/ttyUSB0?id=1"
-            );
-            return Err(crate::SourceError::Foreign(problem));
-        }
-        let channels = [
-            ("position", Unit::Rad),
-            ("speed", Unit::RadPerS),
-            ("current", Unit::A),
-            ("voltage", Unit::V),
-            ("temperature", Unit::K),
-            ("error", Unit::One),
-        ];
-        Ok(Self {
-            id,
-            channels: channels.iter().map(|(name, unit)| Channel::new(*name, *unit)).collect(),
-            model: None,
-            asking: Asking::new(period_ns),
-            packets: Packets::default(),
-            error: 0,
-        })
-    }
-
-    fn question(&self) -> Vec<u8> {
-        let (address, length) = if self.model.is_none() { MODEL } else { SAMPLE };
-        read(self.id, address, length)
-    }
-
-    fn status(&mut self, status: &Status, arrival_ns: i64, heard: &mut Vec<Heard>) {
-        if status.id != self.id {
-            return;
-        }
-        if status.error & !ALERT != 0 {
-            heard.push(Heard::Damaged("the servo refused the question"));
-            return;
-        }
-        let error = status.error & ALERT;
-        if error != self.error {
-            self.error = error;
-            if error != 0 {
-                let text = "the Dynamixel reports a hardware error, which its register 70 names";
-                heard.push(Heard::Fault(text.into()));
-            }
-        }
-        match (self.model, &status.values[..]) {
-            (None, &[low, high]) => {
-                let model = u16::from_le_bytes([low, high]);
-                self.model = Some(model);
-                self.asking.answered(arrival_ns, Vec::new());
-                if current_a(model).is_none() {
-                    heard.push(Heard::Talk(format!(
-                        "model {model}, whose measure of current has no known unit; it is left out"
-                    )));
-                }
-            }
-            (Some(model), values) => match row(model, values, error) {
-                Some(row) => heard.push(self.asking.answered(arrival_ns, row)),
-                None => heard.push(Heard::Damaged("an answer has another length than was asked for")),
-            },
-            (None, _) => heard.push(Heard::Damaged("an answer has another length than was asked for")),
-        }
-    }
+/// Servos of these numbers (0 to 252) on one bus, asked at this interval.
+///
+/// # Errors
+/// When no servo has such a number, a number stands twice, or there are too many.
+pub fn servos(ids: &[u8], period_ns: i64) -> Result<Servos> {
+    Servos::new(&MAKE, ids, period_ns)
 }
 
 /// The unit of the current of a model, A.
@@ -127,58 +71,30 @@ fn current_a(model: u16) -> Option<f64> {
     CURRENTS.iter().find(|(known, _)| *known == model).map(|(_, unit_a)| *unit_a)
 }
 
-/// Values of the registers of [`SAMPLE`].
-fn row(model: u16, values: &[u8], error: u8) -> Option<Vec<f64>> {
-    let [i0, i1, v0, v1, v2, v3, p0, p1, p2, p3, .., u0, u1, kelvin] = *values else { return None };
-    if values.len() != usize::from(SAMPLE.1) {
-        return None;
-    }
-    let current = f64::from(i16::from_le_bytes([i0, i1]));
-    let speed = f64::from(i32::from_le_bytes([v0, v1, v2, v3]));
-    let position = f64::from(i32::from_le_bytes([p0, p1, p2, p3]));
-    Some(vec![
-        position * TAU / POSITIONS,
-        speed * SPEED_RPM * TAU / 60.0,
-        current_a(model).map_or(f64::NAN, |unit_a| current * unit_a),
-        f64::from(u16::from_le_bytes([u0, u1])) * 0.1,
-        f64::from(kelvin) + ZERO_CELSIUS_K,
-        f64::from(error),
-    ])
+fn learn(registers: &[u8]) -> std::result::Result<Facts, String> {
+    let bytes = |at: usize| registers.get(at..at + 4).and_then(|bytes| <[u8; 4]>::try_from(bytes).ok());
+    let number = |at: usize| bytes(at).map(i32::from_le_bytes).unwrap_or_default();
+    let model = (number(0) & 0xffff) as u16;
+    let current_a = current_a(model);
+    let left_out =
+        if current_a.is_none() { ", whose measure of current has no known unit and is left out" } else { "" };
+    let words = format!(
+        "model {model}{left_out}; its homing offset is {}, its positions go from {} to {}",
+        number(20),
+        number(52),
+        number(48)
+    );
+    let factors = vec![TAU / POSITIONS, SPEED_RPM * TAU / 60.0, current_a.unwrap_or(f64::NAN), 0.1, 1.0];
+    Ok(Facts { factors, words })
 }
 
-impl Device for Dynamixel {
-    fn kind(&self) -> String {
-        format!("the Dynamixel {}, which is only asked", self.id)
-    }
-
-    fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    fn numbering(&self) -> Numbering {
-        Numbering::Arrival
-    }
-
-    fn receive(&mut self, chunk: Chunk<'_>, heard: &mut Vec<Heard>) {
-        self.asking.take_missing(heard);
-        let mut packets = std::mem::take(&mut self.packets);
-        packets.push(chunk, |packet, arrival_ns| match packet {
-            Ok(status) => self.status(&status, arrival_ns, heard),
-            Err(problem) => heard.push(Heard::Damaged(problem)),
-        });
-        self.packets = packets;
-    }
-
-    fn poll(&mut self, now_ns: i64, out: &mut Vec<u8>) -> Result<Option<i64>> {
-        let question = self.question();
-        Ok(Some(self.asking.poll(now_ns, &question, out)))
-    }
-
-    fn awaits(&self) -> bool {
-        self.asking.awaits()
-    }
-
-    fn interrupted(&mut self, heard: &mut Vec<Heard>) {
-        self.asking.interrupted(self.packets.interrupt(), heard);
-    }
+fn numbers(values: &[u8]) -> Option<Vec<f64>> {
+    let [i0, i1, v0, v1, v2, v3, p0, p1, p2, p3, .., u0, u1, celsius] = *values else { return None };
+    Some(vec![
+        f64::from(i32::from_le_bytes([p0, p1, p2, p3])),
+        f64::from(i32::from_le_bytes([v0, v1, v2, v3])),
+        f64::from(i16::from_le_bytes([i0, i1])),
+        f64::from(u16::from_le_bytes([u0, u1])),
+        f64::from(celsius),
+    ])
 }

@@ -9,9 +9,10 @@
 //! | [`text`] | lines of text: CSV, `key:value`, JSON, as sent by an Arduino, a Pico or a script; frames of bytes by COBS |
 //! | [`moteus`] | a moteus servo drive behind an fdcanusb |
 //! | [`odrive`] | an ODrive by its protocol of text |
-//! | [`dynamixel`] | a Dynamixel servo by its protocol 2; only asked |
+//! | [`dynamixel`], [`feetech`] | servos on one bus ([`Servos`]), by the protocol 2 of Dynamixel or that of Feetech; only asked |
 //! | `can` | a CAN bus behind an adapter that speaks slcan, whose signals a DBC describes; only listened to |
 //! | `can::odrive`, `can::canopen` | an ODrive by CAN Simple; a drive by CANopen, only read |
+//! | `foxglove` | topics of a Foxglove WebSocket server, such as a bridge of ROS 2; and such a server of a running recording |
 //! | [`simulators`] | simulations of these drives, for tests and rehearsals |
 //!
 //! A [`Drive`] is a device that can be commanded, by the [`Order`] that its next question carries; [`Commanded`] is the only one that gives
@@ -22,6 +23,8 @@
 /// Kelvins at 0 degrees Celsius, in which drives state their temperatures.
 const ZERO_CELSIUS_K: f64 = 273.15;
 
+#[cfg(any(feature = "can", feature = "foxglove"))]
+mod aligner;
 mod asking;
 #[cfg(feature = "can")]
 pub mod can;
@@ -31,8 +34,12 @@ mod device;
 mod drive;
 pub mod dynamixel;
 mod error;
+pub mod feetech;
+#[cfg(feature = "foxglove")]
+pub mod foxglove;
 pub mod moteus;
 pub mod odrive;
+mod servos;
 pub mod simulators;
 pub mod text;
 mod timeline;
@@ -42,4 +49,5 @@ pub use description::{ClockColumn, Description, SCHEMA};
 pub use device::{Chunk, Device, Heard, Numbering, Row};
 pub use drive::{Drive, Limits, Order, Readiness, Standing, Watched};
 pub use error::{Result, SourceError};
+pub use servos::Servos;
 pub use timeline::{ClockMap, Counts, Placed, Timeline};

@@ -1,17 +1,22 @@
 //! Drives against their simulations: what is asked is answered, and what no drive answers becomes no sample.
 
 use proptest::prelude::*;
-use socam_sources::dynamixel::Dynamixel;
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
 use socam_sources::simulators::{
-    DynamixelSimulator, Firmware, Mishap, MoteusSimulator, Motor, OdriveSimulator,
+    DynamixelSimulator, FeetechSimulator, Firmware, Mishap, MoteusSimulator, Motor, OdriveSimulator,
 };
-use socam_sources::{Chunk, Device, Heard, Row};
+use socam_sources::{Chunk, Device, Heard, Row, Servos, dynamixel, feetech};
 
 fn motor() -> Motor {
     let mut motor = Motor::turning(12.5, 0.25, 24.0);
     motor.torque_constant_nm_a = 0.125;
+    motor
+}
+
+fn turning(speed_rad_s: f64) -> Motor {
+    let mut motor = motor();
+    motor.speed_rad_s = speed_rad_s;
     motor
 }
 const PERIOD_NS: i64 = 1_000_000;
@@ -91,7 +96,7 @@ fn an_odrive_of_either_generation_is_recorded() {
 #[test]
 fn a_dynamixel_is_recorded_in_the_units_of_its_model() {
     for (model, current_a) in [(1020, Some(2.0)), (1060, None)] {
-        let mut device = Dynamixel::new(7, PERIOD_NS).unwrap();
+        let mut device = dynamixel::servos(&[7], PERIOD_NS).unwrap();
         let mut drive = DynamixelSimulator::new(7, model, motor());
         let heard = ask(&mut device, 1.0, |time_s, bytes| drive.receive(time_s, bytes), |_, answer| answer);
         let rows = rows(&heard);
@@ -114,7 +119,7 @@ fn a_dynamixel_is_recorded_in_the_units_of_its_model() {
             }
         }
     }
-    let mut device = Dynamixel::new(7, PERIOD_NS).unwrap();
+    let mut device = dynamixel::servos(&[7], PERIOD_NS).unwrap();
     let mut drive = DynamixelSimulator::new(7, 1020, motor());
     drive.error = 0x80;
     let damage = |turn: usize, mut answer: Vec<u8>| {
@@ -126,6 +131,106 @@ fn a_dynamixel_is_recorded_in_the_units_of_its_model() {
     let heard = ask(&mut device, 0.2, |time_s, bytes| drive.receive(time_s, bytes), damage);
     assert_eq!(heard.iter().filter(|heard| matches!(heard, Heard::Fault(_))).count(), 1);
     assert!(heard.contains(&Heard::Damaged("the checksum of a packet is wrong")));
+}
+
+/// Several servos are one row; one that is unplugged leaves missing values, and the others stay.
+#[test]
+fn servos_of_one_bus_are_recorded_by_one_question() {
+    let ids = [3, 1, 9];
+    let mut dynamixels = ids.map(|id| DynamixelSimulator::new(id, 1020, turning(f64::from(id))));
+    let mut feetechs = ids.map(|id| FeetechSimulator::new(id, turning(0.5 * f64::from(id))));
+    feetechs[0].echoes = true;
+    // The third Feetech counts its speed in 50 steps a second, and measures no current.
+    feetechs[2].phase = 0x20;
+    let (mut first, mut second) = (0, 0);
+    let mut bus: [(Servos, usize, Box<dyn FnMut(f64, &[u8]) -> Vec<u8>>); 2] = [
+        (
+            dynamixel::servos(&ids, PERIOD_NS).unwrap(),
+            6,
+            Box::new(|time_s, bytes| {
+                first += 1;
+                let is_unplugged = (400..500).contains(&first);
+                let there = dynamixels.iter_mut().take(if is_unplugged { 2 } else { 3 });
+                there.flat_map(|servo| servo.receive(time_s, bytes)).collect()
+            }),
+        ),
+        (
+            feetech::servos(&ids, PERIOD_NS).unwrap(),
+            7,
+            Box::new(|time_s, bytes| {
+                second += 1;
+                let is_unplugged = (400..500).contains(&second);
+                let there = feetechs.iter_mut().take(if is_unplugged { 2 } else { 3 });
+                there.flat_map(|servo| servo.receive(time_s, bytes)).collect()
+            }),
+        ),
+    ];
+    for (device, width, answer) in &mut bus {
+        let heard = ask(device, 6.0, |time_s, bytes| answer(time_s, bytes), |_, answer| answer);
+        let rows = rows(&heard);
+        assert_eq!(device.channels()[*width].name, "servo1_position");
+        assert_eq!(device.channels().len(), 3 * *width);
+        // A hundred questions waited 50 ms for the third servo; the three first ones were for facts.
+        assert!((1090..=1110).contains(&rows.len()), "{}", rows.len());
+        for row in &rows {
+            let parts: Vec<&[f64]> = row.values.chunks(*width).collect();
+            let factor = if *width == 6 { 1.0 } else { 0.5 };
+            let is_near = |part: &[f64], id: f64, step: f64| (part[1] - factor * id).abs() < step;
+            assert!(is_near(parts[0], 3.0, 0.03) && is_near(parts[1], 1.0, 0.03), "{row:?}");
+            assert!(is_near(parts[2], 9.0, 0.08) || parts[2].iter().all(|value| value.is_nan()), "{row:?}");
+        }
+        let without = rows.iter().filter(|row| row.values[2 * *width].is_nan()).count();
+        assert_eq!(without, 100);
+        let faults: Vec<_> = heard.iter().filter(|heard| matches!(heard, Heard::Fault(_))).collect();
+        assert!(
+            matches!(faults[..], [Heard::Fault(text)] if text.contains(" 9 does not answer")),
+            "{faults:?}"
+        );
+        assert!(!heard.iter().any(|heard| matches!(heard, Heard::Damaged(_))));
+    }
+    drop(bus);
+    assert!(
+        dynamixels.iter().all(|servo| servo.commands == 0)
+            && feetechs.iter().all(|servo| servo.commands == 0)
+    );
+}
+
+#[test]
+fn a_feetech_is_recorded_in_the_units_that_it_states() {
+    let mut device = feetech::servos(&[4], PERIOD_NS).unwrap();
+    let mut drive = FeetechSimulator::new(4, turning(-1.5));
+    drive.error = 0x24;
+    let heard = ask(&mut device, 1.0, |time_s, bytes| drive.receive(time_s, bytes), |_, answer| answer);
+    let row = rows(&heard)[500];
+    let expected = -1.5 * (row.arrival_ns - row.spread_ns) as f64 * 1e-9;
+    assert!(
+        (row.values[0] - expected).abs() < 2e-3 && (row.values[1] + 1.5).abs() < 1e-3,
+        "{row:?} {expected}"
+    );
+    assert!((row.values[2] + 0.25).abs() < 1e-12 && (row.values[3] - 2.0).abs() < 4e-3, "{row:?}");
+    assert_eq!(row.values[4..], [24.0, 308.15, 36.0]);
+    assert!(heard.contains(&Heard::Fault("the Feetech 4 reports too high a temperature, overload".into())));
+    let is_told = |heard: &Heard| matches!(heard, Heard::Talk(text) if text.contains("is model 777; its homing offset is 0"));
+    assert!(heard.iter().any(is_told), "{:?}", heard[0]);
+
+    let refusal = |change: fn(&mut FeetechSimulator)| {
+        let (mut device, mut drive) =
+            (feetech::servos(&[4], PERIOD_NS).unwrap(), FeetechSimulator::new(4, motor()));
+        change(&mut drive);
+        let (mut now_ns, mut heard) = (0, Vec::new());
+        loop {
+            let mut question = Vec::new();
+            match device.poll(now_ns, &mut question) {
+                Ok(next_ns) => now_ns = next_ns.unwrap(),
+                Err(error) => return error.to_string(),
+            }
+            assert!(now_ns < 10_000_000_000, "never refused");
+            let answer = drive.receive(0.0, &question);
+            device.receive(Chunk { bytes: &answer, from_ns: now_ns, until_ns: now_ns }, &mut heard);
+        }
+    };
+    assert!(refusal(|drive| drive.byte_order = 1).contains("only servos of the STS and SMS series"));
+    assert!(refusal(|drive| drive.id = 5).contains("the Feetech 4 does not answer"));
 }
 
 #[test]
@@ -147,7 +252,11 @@ fn lost_and_damaged_answers_are_counted() {
 #[test]
 fn drives_that_cannot_be_are_refused() {
     assert!(Moteus::new(0, 1).is_err() && Moteus::new(200, 1).is_err() && Odrive::new(2, 1).is_err());
-    assert!(Dynamixel::new(253, 1).is_err());
+    let refusal =
+        |ids: &[u8]| dynamixel::servos(ids, 1).err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(refusal(&[253]).contains("253 is no number of a Dynamixel; expected numbers from 0 to 252"));
+    assert!(refusal(&[1, 2, 1]).contains("a servo is named twice"));
+    assert!(feetech::servos(&[254], 1).is_err() && feetech::servos(&[], 1).is_err());
 }
 
 proptest! {
@@ -158,9 +267,10 @@ proptest! {
         for device in [
             &mut Moteus::new(1, 1).unwrap() as &mut dyn Device,
             &mut Odrive::new(0, 1).unwrap(),
-            &mut Dynamixel::new(1, 1).unwrap(),
+            &mut dynamixel::servos(&[1, 2], 1).unwrap(),
+            &mut feetech::servos(&[1, 2], 1).unwrap(),
         ] {
-            for bytes in [bytes.clone(), [[0xff, 0xff, 0xfd, 0, 1].as_slice(), &bytes].concat(), format!("\nrcv 0100 {digits} E B F\n{digits} 1\n2\n3\n4\n").into_bytes()] {
+            for bytes in [bytes.clone(), [[0xff, 0xff, 0xfd, 0, 1].as_slice(), &bytes].concat(), [[0xff, 0xff, 1, 34].as_slice(), &bytes].concat(), format!("\nrcv 0100 {digits} E B F\n{digits} 1\n2\n3\n4\n").into_bytes()] {
                 let mut heard = Vec::new();
                 device.receive(Chunk { bytes: &bytes, from_ns: 0, until_ns: 1 }, &mut heard);
                 for row in rows(&heard) {

@@ -13,15 +13,15 @@ use socam_import::CanSignals;
 use socam_sources::can::canopen::{Canopen, Objects};
 use socam_sources::can::odrive::OdriveCan;
 use socam_sources::can::{Access, CanBus, opening, survey};
-use socam_sources::dynamixel::Dynamixel;
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
 use socam_sources::simulators::{
-    BusSimulator, CanopenSimulator, DynamixelSimulator, Firmware, MoteusSimulator, Motor, OdriveCanSimulator,
-    OdriveSimulator,
+    BusSimulator, CanopenSimulator, DynamixelSimulator, FeetechSimulator, Firmware, MoteusSimulator, Motor,
+    OdriveCanSimulator, OdriveSimulator,
 };
 use socam_sources::text::{Bounds, TextDevice};
 use socam_sources::{Chunk, Description, Device, Heard, Placed, Timeline};
+use socam_sources::{dynamixel, feetech};
 
 #[global_allocator]
 static MEMORY: Cap<std::alloc::System> = Cap::new(std::alloc::System, usize::MAX);
@@ -66,12 +66,22 @@ fn short_packet() -> Vec<u8> {
     packet
 }
 
+/// The packet of a Feetech whose parameters are one byte too few, and whose checksum is right.
+fn short_feetech() -> Vec<u8> {
+    let mut packet = vec![0xff, 0xff, 1, 16, 0];
+    packet.extend([0; 14]);
+    let sum = packet[2..].iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte));
+    packet.push(!sum);
+    packet
+}
+
 /// All devices that are asked, as the node of a number.
 fn rigs(id: u8) -> Vec<Rig> {
     let motor = Motor::turning(SPEED_RAD_S, 0.25, 24.0);
     let mut moteus = MoteusSimulator::new(id, motor);
     let mut odrive = OdriveSimulator::new(Firmware::Late, motor);
     let mut dynamixel = DynamixelSimulator::new(id, 1020, motor);
+    let mut feetech = FeetechSimulator::new(id, motor);
     let mut odrive_can = BusSimulator::new(OdriveCanSimulator::new(id, Firmware::Late, motor));
     let mut canopen = BusSimulator::new(CanopenSimulator::new(id, motor));
     let objects = "schema = \"socam.canopen/1\"\n[channels.position]\nsignal = \"6064:00 i32\"\nunit = \"counts\"\n\
@@ -96,10 +106,17 @@ fn rigs(id: u8) -> Vec<Rig> {
         },
         Rig {
             name: "Dynamixel",
-            device: Box::new(Dynamixel::new(id, PERIOD_NS).unwrap()),
+            device: Box::new(dynamixel::servos(&[id], PERIOD_NS).unwrap()),
             answer: Box::new(move |time_s, bytes| dynamixel.receive(time_s, bytes)),
             position: 0,
             bad: [short_packet(), short_packet()],
+        },
+        Rig {
+            name: "Feetech",
+            device: Box::new(feetech::servos(&[id], PERIOD_NS).unwrap()),
+            answer: Box::new(move |time_s, bytes| feetech.receive(time_s, bytes)),
+            position: 0,
+            bad: [short_feetech(), short_feetech()],
         },
         Rig {
             name: "ODrive, CAN",

@@ -2,6 +2,7 @@
 
 mod can;
 mod drive;
+mod foxglove;
 mod opened;
 mod result;
 mod source;
@@ -14,7 +15,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use socam_job::{Record, VirtualBench};
 use socam_model::Model;
 use socam_monitoring::{Baseline, Monitor};
-use socam_recording::{Attachment, Calibration, MACHINE_KEY, ProfileFile};
+use socam_recording::{Attachment, Calibration, Channel, MACHINE_KEY, ProfileFile};
 
 use super::Outcome;
 use crate::alarms::WatchArgs;
@@ -24,6 +25,7 @@ use crate::device::{self, Device, Pace, Session, front_end};
 use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
 use crate::output::{self, WrongArguments};
+use crate::serve::{Serve, ServeAddress};
 use drive::DriveArgs;
 pub(crate) use result::{outcome, tell};
 use source::{SourceArgs, Target};
@@ -53,8 +55,10 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "RUN.mcap", required_unless_present = "list_profiles")]
     output: Option<PathBuf>,
     /// Board: serial (the one on USB), serial:PATH, tcp:HOST:PORT, or sim (a virtual one). Lines of text of another device:
-    /// serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT. Drives, asked or, with --arm, commanded: moteus:PATH?id=1 (an
-    /// fdcanusb), odrive:PATH?axis=0 (USB). A servo, only asked: dynamixel:PATH?id=1&baud=57600. A CAN bus with --dbc, only listened to: slcan:PATH?bitrate=500k,
+    /// serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT. Topics of a Foxglove WebSocket server, such as a bridge of ROS 2:
+    /// foxglove:HOST:PORT?topics=/joint_states. Drives, asked or, with --arm, commanded: moteus:PATH?id=1 (an
+    /// fdcanusb), odrive:PATH?axis=0 (USB). Servos of one bus, only asked: dynamixel:PATH?id=1,2&baud=57600,
+    /// feetech:PATH?id=1,2&baud=1000000. A CAN bus with --dbc, only listened to: slcan:PATH?bitrate=500k,
     /// socketcan:can0. On a bus, an ODrive, asked or commanded: odrive+slcan:PATH?bitrate=500k&node=1, odrive+socketcan:can0?node=1; a drive
     /// with CANopen, only read, by a list of its objects in --describe: canopen+socketcan:can0?node=5
     #[arg(long, value_name = "DEVICE", required_unless_present = "list_profiles")]
@@ -90,6 +94,10 @@ pub(crate) struct Args {
     watched: Option<String>,
     #[command(flatten)]
     watch: WatchArgs,
+    /// Publish the samples while they are recorded, as a Foxglove WebSocket server at this address of this computer: HOST:PORT, or a port of
+    /// its loopback. Clients that are too slow lack samples; the recording does not
+    #[arg(long, value_name = "ADDRESS")]
+    serve: Option<ServeAddress>,
     #[command(flatten)]
     bench: VirtualBench,
     /// Print one JSON document instead of text
@@ -145,10 +153,22 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         LiveWatch::start(monitor, channels.len(), session.is_patient())
     });
     let watch = watch.transpose()?;
-    let report = run::record_watched(&mut session, plan, &interrupt, watch)?;
+    let serve = args.serve(&run::Columns::of(&plan.calibration).channels, plan.start_unix_ns)?;
+    let report = run::record_watched(&mut session, plan, &interrupt, watch, serve)?;
     tell(path, &report, rate_hz, args.json)?;
     tell_early_end(&args.record, &report);
     outcome(path, &report)
+}
+
+impl Args {
+    /// The server of the recording, if one is wanted, of a recording that begins at a time of day, ns since 1970.
+    fn serve(&self, channels: &[Channel], start_unix_ns: u64) -> anyhow::Result<Option<Serve>> {
+        let Some(address) = self.serve else { return Ok(None) };
+        let device = self.device.as_ref().map(ToString::to_string).unwrap_or_default();
+        let mut serve = Serve::start(address, channels, &format!("socam-host record --device {device}"))?;
+        serve.begin(start_unix_ns);
+        Ok(Some(serve))
+    }
 }
 
 /// The model and the baseline of the monitoring, if it is requested.

@@ -18,6 +18,7 @@ use socam_recording::{Event, Recorder, RecordingHeader, SampleRow};
 use super::session::Session;
 use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
+use crate::serve::Serve;
 pub(crate) use columns::Columns;
 #[cfg(feature = "window")]
 pub(crate) use columns::fault_text;
@@ -31,6 +32,7 @@ struct Terminal<'a> {
     interrupt: &'a Interrupt,
     progress: ProgressBar,
     watch: Option<LiveWatch>,
+    serve: Option<Serve>,
 }
 
 impl Monitor for Terminal<'_> {
@@ -46,10 +48,23 @@ impl Monitor for Terminal<'_> {
         if let Some(watch) = &mut self.watch {
             watch.take(rows);
         }
+        if let Some(serve) = &mut self.serve {
+            serve.take(rows);
+        }
+    }
+
+    fn event(&mut self, event: &Event, _: Option<u32>) {
+        if let Some(serve) = &mut self.serve {
+            serve.event(event);
+        }
     }
 
     fn alarm(&mut self) -> Option<Event> {
-        self.watch.as_ref()?.event()
+        let event = self.watch.as_ref()?.event()?;
+        if let Some(serve) = &mut self.serve {
+            serve.event(&event);
+        }
+        Some(event)
     }
 
     fn last_alarms(&mut self) -> Vec<Event> {
@@ -61,21 +76,22 @@ impl Monitor for Terminal<'_> {
 ///
 /// Before the bench moves, the board has accepted the profile and the file can be written.
 pub(crate) fn record(session: &mut Session, plan: Plan, interrupt: &Interrupt) -> anyhow::Result<Report> {
-    record_watched(session, plan, interrupt, None)
+    record_watched(session, plan, interrupt, None, None)
 }
 
-/// Runs the plan's profile and records it while it is monitored against a model; Ctrl-C stops it.
+/// Runs the plan's profile and records it while it is monitored against a model and published; Ctrl-C stops it.
 pub(crate) fn record_watched(
     session: &mut Session,
     plan: Plan,
     interrupt: &Interrupt,
     watch: Option<LiveWatch>,
+    serve: Option<Serve>,
 ) -> anyhow::Result<Report> {
     prepare(session, &plan)?;
     if interrupt.count() > 0 {
         bail!("stopped before the bench moved");
     }
-    let mut terminal = Terminal { interrupt, progress: progress(plan.profile.duration_us), watch };
+    let mut terminal = Terminal { interrupt, progress: progress(plan.profile.duration_us), watch, serve };
     let report = record_prepared(session, plan, &mut terminal);
     // The bench is at rest or out of reach; a failure here has no effect.
     let _ = session.post(Request::Stream(false));

@@ -7,11 +7,10 @@ use socam_import::CanSignals;
 use socam_sources::can::canopen::{Canopen, Objects};
 use socam_sources::can::odrive::OdriveCan;
 use socam_sources::can::{CanBus, Gateway, survey};
-use socam_sources::dynamixel::Dynamixel;
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
 use socam_sources::text::{Bounds, TextDevice, probe};
-use socam_sources::{Chunk, Description, Device, Heard};
+use socam_sources::{Chunk, Description, Device, Heard, dynamixel, feetech};
 
 use crate::Input;
 
@@ -57,13 +56,15 @@ pub(crate) fn frames(input: Input<'_>) -> bool {
     is_heard(input.bytes, || TextDevice::new(description.clone(), Bounds::Ends))
 }
 
-/// Answers of a moteus, of an ODrive and of a Dynamixel.
+/// Answers of a moteus, of an ODrive, and of servos.
 pub(crate) fn drives(input: Input<'_>) -> bool {
     let (Ok(_), Ok(_)) = (Moteus::new(1, 1), Odrive::new(0, 1)) else { return false };
     let moteus = || Moteus::new(1, 1).expect("a number of a moteus");
     let odrive = || Odrive::new(0, 1).expect("an axis of an ODrive");
-    let dynamixel = || Dynamixel::new(1, 1).expect("a number of a Dynamixel");
-    is_heard(input.bytes, moteus) | is_heard(input.bytes, dynamixel) | is_heard(input.bytes, odrive)
+    let dynamixels = || dynamixel::servos(&[1, 2], 1).expect("numbers of Dynamixels");
+    let feetechs = || feetech::servos(&[1, 2], 1).expect("numbers of Feetechs");
+    let drives = is_heard(input.bytes, moteus) | is_heard(input.bytes, odrive);
+    drives | is_heard(input.bytes, dynamixels) | is_heard(input.bytes, feetechs)
 }
 
 /// Frames of an adapter of CAN, by the DBC of the other parsers.

@@ -9,6 +9,7 @@ mod hostile;
 mod links;
 mod seeds;
 mod targets;
+mod topics;
 
 use std::path::{Path, PathBuf};
 

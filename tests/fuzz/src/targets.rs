@@ -11,7 +11,7 @@ use socam_recording::{
 };
 use socam_workbench::document;
 
-use crate::{Input, Target, damage, devices, links, seeds};
+use crate::{Input, Target, damage, devices, links, seeds, topics};
 
 /// Most values of a recording that are loaded: a file of a few hundred bytes may rightly hold more samples than are worth reading.
 const MOST_VALUES: u64 = 1 << 20;
@@ -19,7 +19,7 @@ const MOST_VALUES: u64 = 1 << 20;
 const SAMPLE_PERIOD_US: u32 = 1000;
 
 /// All parsers.
-pub const TARGETS: [Target; 22] = [
+pub const TARGETS: [Target; 24] = [
     Target { name: "log", extension: "mcap", parse: log, seeds: seeds::logs },
     Target { name: "damaged-log", extension: "bin", parse: damage::damaged, seeds: damage::recipes },
     Target { name: "csv", extension: "csv", parse: csv, seeds: seeds::tables },
@@ -46,6 +46,8 @@ pub const TARGETS: [Target; 22] = [
     },
     Target { name: "objects", extension: "toml", parse: devices::objects, seeds: devices::object_seeds },
     Target { name: "drives", extension: "bin", parse: devices::drives, seeds: devices::drive_seeds },
+    Target { name: "foxglove-server", extension: "bin", parse: topics::server, seeds: topics::server_seeds },
+    Target { name: "foxglove-client", extension: "bin", parse: topics::client, seeds: topics::client_seeds },
     Target { name: "board-link", extension: "bin", parse: links::board_link, seeds: seeds::to_board },
 ];
 

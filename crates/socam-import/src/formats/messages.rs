@@ -1,6 +1,7 @@
 //! Messages of a log by the definition of their type: each topic is a group, each number in its messages a signal.
 
 mod flatten;
+mod live;
 
 use std::collections::BTreeMap;
 
@@ -12,6 +13,7 @@ use socam_recording::Warning;
 
 use crate::source::{Group, Signal, Source, Wanted};
 use flatten::{Number, Numbers};
+pub use live::{LiveMessages, MessageNumber};
 
 /// Types of ROS, beginnings of their fields, and the units that its convention (REP 103) gives them.
 const CONVENTION: [(&str, &str, &str); 9] = [
@@ -86,6 +88,35 @@ impl Decoder {
         };
         built.map(Self::Schema).map_err(|error| format!("its schema `{name}` cannot be read: {error}"))
     }
+
+    /// The numbers of a message; `None` if it cannot be decoded.
+    fn numbers(&self, data: &[u8]) -> Option<Numbers> {
+        let mut numbers = Numbers::default();
+        match self {
+            Self::None => return None,
+            Self::Json => numbers.json("", &serde_json::from_slice(data).ok()?),
+            Self::Schema(decoder) => numbers.message(decoder.field_defs(), &decoder.decode(data).ok()?),
+        }
+        Some(numbers)
+    }
+}
+
+impl Schema {
+    /// The type without its package.
+    fn kind(&self) -> &str {
+        self.name.rsplit('/').next().unwrap_or_default()
+    }
+}
+
+/// The unit that the convention of ROS gives to a number of a type, by its path, in words.
+fn convention(kind: &str, path: &str) -> Option<&'static str> {
+    // A stamped type holds the other in a field of its name.
+    let (kind, field) = match kind.strip_suffix("Stamped") {
+        Some(kind) => (kind, format!("{}.", kind.to_lowercase())),
+        None => (kind, String::new()),
+    };
+    let path = path.strip_prefix(&field)?;
+    CONVENTION.iter().find(|(of, begin, _)| *of == kind && path.starts_with(begin)).map(|(.., hint)| *hint)
 }
 
 /// The signals of all topics that hold numbers.
@@ -107,24 +138,19 @@ pub(super) fn finish(topics: impl Iterator<Item = Topic>, mut notes: Vec<Warning
 
 impl Topic {
     pub(super) fn new(name: String, decoder: Decoder, schema: Option<&Schema>) -> Self {
-        let kind = schema.and_then(|schema| schema.name.rsplit('/').next()).unwrap_or_default().to_owned();
+        let kind = schema.map(Schema::kind).unwrap_or_default().to_owned();
         Self { name, decoder, kind, rows: 0, damaged: 0, columns: Vec::new(), places: BTreeMap::new() }
     }
 
     /// Puts the numbers of a message into a new row. Times are in ns since 1970.
     pub(super) fn message(&mut self, log_time: u64, publish_time: u64, data: &[u8], wanted: &Wanted) {
-        let mut numbers = Numbers::default();
-        let decoded = match &self.decoder {
-            Decoder::None => return,
-            Decoder::Json => serde_json::from_slice(data).map(|value| numbers.json("", &value)).is_ok(),
-            Decoder::Schema(decoder) => {
-                decoder.decode(data).map(|value| numbers.message(decoder.field_defs(), &value)).is_ok()
-            }
-        };
-        if !decoded {
-            self.damaged += 1;
+        if matches!(self.decoder, Decoder::None) {
             return;
         }
+        let Some(numbers) = self.decoder.numbers(data) else {
+            self.damaged += 1;
+            return;
+        };
         let stamp = |time: u64| Number::Time(i64::try_from(time).unwrap_or(i64::MAX));
         self.put("log_time", stamp(log_time), wanted);
         if publish_time != log_time {
@@ -155,18 +181,7 @@ impl Topic {
     }
 
     fn finish(self) -> Group {
-        // A stamped type holds the other in a field of its name.
-        let (kind, field) = match self.kind.strip_suffix("Stamped") {
-            Some(kind) => (kind, format!("{}.", kind.to_lowercase())),
-            None => (self.kind.as_str(), String::new()),
-        };
-        let hint = |path: &str| {
-            let path = path.strip_prefix(&field)?;
-            CONVENTION
-                .iter()
-                .find(|(of, begin, _)| *of == kind && path.starts_with(begin))
-                .map(|(.., hint)| *hint)
-        };
+        let hint = |path: &str| convention(&self.kind, path);
         let finish = |column: Column| Signal { hint: hint(&column.path), ..column.finish(self.rows) };
         let signals = self.columns.into_iter().map(finish).collect();
         Group { name: self.name, signals, time: Some(0), is_by_arrival: true }

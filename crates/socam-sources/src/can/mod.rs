@@ -3,7 +3,6 @@
 //! [`CanBus`] records what a DBC describes and only listens: its adapter neither sends nor acknowledges frames.
 
 mod adapter;
-mod aligner;
 pub mod canopen;
 mod gateway;
 pub mod odrive;
@@ -16,10 +15,10 @@ use socam_import::{CanSet, CanSignals};
 use socam_recording::Channel;
 use socam_units::Conversion;
 
+use crate::aligner::{Aligner, Kind};
 use crate::device::{Chunk, Device, Heard, Numbering, Row};
 use crate::error::Result;
 use adapter::Adapter;
-use aligner::{Aligner, Kind};
 pub use gateway::{Gateway, Outgoing};
 pub use slcan::{Access, CanFrame, Stamp, opening};
 pub use survey::{Found, survey};

@@ -29,21 +29,30 @@ impl DynamixelSimulator {
         Self { id, model, motor, error: 0, commands: 0, bytes: Vec::new() }
     }
 
-    /// Takes bytes at a time since it was switched on, s, and returns its answers.
+    /// Takes bytes at a time since it was switched on, s, and returns its answers. Servos of one bus are given the same bytes.
     pub fn receive(&mut self, time_s: f64, bytes: &[u8]) -> Vec<u8> {
         self.bytes.extend_from_slice(bytes);
         let mut answers = Vec::new();
-        // All packets that are sent to it have 14 bytes.
-        while self.bytes.len() >= 14 {
-            let packet: Vec<u8> = self.bytes.drain(..14).collect();
-            let is_right = CHECKSUM.checksum(&packet[..12]).to_le_bytes() == packet[12..];
-            match packet[..12] {
-                [0xff, 0xff, 0xfd, 0, id, 7, 0, 2, a0, a1, n0, n1] if is_right && id == self.id => {
-                    answers.extend(self.answer(
-                        time_s,
-                        u16::from_le_bytes([a0, a1]),
-                        u16::from_le_bytes([n0, n1]),
-                    ));
+        // All packets that are sent to it begin where the one before ends.
+        while let &[_, _, _, _, _, low, high, ..] = &self.bytes[..] {
+            let length = 7 + usize::from(u16::from_le_bytes([low, high]));
+            if self.bytes.len() < length {
+                break;
+            }
+            let packet: Vec<u8> = self.bytes.drain(..length).collect();
+            let (body, sum) = packet.split_at(length - 2);
+            let is_right = CHECKSUM.checksum(body).to_le_bytes() == sum;
+            match *body {
+                [0xff, 0xff, 0xfd, 0, to, _, _, instruction, a0, a1, n0, n1, ref listed @ ..] if is_right => {
+                    let (address, length) = (u16::from_le_bytes([a0, a1]), u16::from_le_bytes([n0, n1]));
+                    match (to, instruction) {
+                        (id, 0x02) if id == self.id => answers.extend(self.answer(time_s, address, length)),
+                        (0xfe, 0x82) if listed.contains(&self.id) => {
+                            answers.extend(self.answer(time_s, address, length));
+                        }
+                        (_, 0x02 | 0x82) => {}
+                        _ => self.commands += 1,
+                    }
                 }
                 _ => self.commands += 1,
             }
@@ -56,6 +65,7 @@ impl DynamixelSimulator {
         let mut put =
             |address: usize, bytes: &[u8]| registers[address..address + bytes.len()].copy_from_slice(bytes);
         put(0, &self.model.to_le_bytes());
+        put(48, &4095_i32.to_le_bytes());
         put(126, &((self.motor.current_a() / 2.69e-3).round() as i16).to_le_bytes());
         put(128, &((self.motor.speed_rad_s * 60.0 / TAU / 0.229).round() as i32).to_le_bytes());
         put(132, &((self.motor.speed_rad_s * time_s * 4096.0 / TAU).round() as i32).to_le_bytes());

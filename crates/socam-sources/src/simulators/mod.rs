@@ -3,6 +3,7 @@
 mod bus;
 mod canopen;
 mod dynamixel;
+mod feetech;
 mod moteus;
 mod motor;
 mod odrive;
@@ -12,6 +13,7 @@ mod slcan;
 pub use bus::{BusSimulator, Frame, Node};
 pub use canopen::CanopenSimulator;
 pub use dynamixel::DynamixelSimulator;
+pub use feetech::FeetechSimulator;
 pub use moteus::MoteusSimulator;
 pub use motor::{Inertia, Mishap, Motor};
 pub use odrive::{Firmware, OdriveSimulator};

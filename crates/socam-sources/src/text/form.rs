@@ -27,6 +27,8 @@ pub enum Form {
     Json,
     /// No line, but a frame of bytes.
     Frames(Layout),
+    /// No line, but messages of the topics of a Foxglove WebSocket server.
+    Topics,
 }
 
 /// Content of a line.
@@ -43,10 +45,11 @@ const SEPARATORS: [(&str, u8); 5] = [(",", b','), (";", b';'), ("tab", b'\t'), (
 
 /// Reads the table `[lines]` of a description.
 pub(crate) fn read_form(fields: &mut Fields<'_>) -> Form {
-    match fields.choice("form", &[("csv", 0), ("pairs", 1), ("json", 2), ("frames", 3)]) {
+    match fields.choice("form", &[("csv", 0), ("pairs", 1), ("json", 2), ("frames", 3), ("foxglove", 4)]) {
         1 => Form::Pairs,
         2 => Form::Json,
         3 => Form::Frames(read_layout(fields)),
+        4 => Form::Topics,
         _ => {
             let separator = fields.maybe_choice("separator", &SEPARATORS).unwrap_or(b',');
             let decimal_comma = fields.maybe_choice("decimal", &[(".", false), (",", true)]).unwrap_or(false);
@@ -79,6 +82,7 @@ impl Form {
             Self::Pairs => "lines of names and numbers",
             Self::Json => "lines of JSON",
             Self::Frames(_) => "frames of bytes",
+            Self::Topics => "messages of topics",
         }
     }
 
@@ -89,6 +93,7 @@ impl Form {
             Self::Pairs => pairs(line),
             Self::Json => json(line),
             Self::Frames(_) => Err("a line stands in the place of a frame"),
+            Self::Topics => Err("a line stands in the place of a message"),
         }
     }
 }

@@ -23,8 +23,12 @@ use frames::Frames;
 pub use frames::{Checksum, Layout, Number};
 pub use lines::Bounds;
 use lines::Lines;
+#[cfg(feature = "foxglove")]
+pub(crate) use probe::conclude;
 pub use probe::{Found, probe};
-use unwrap::Unwrap;
+#[cfg(feature = "foxglove")]
+pub(crate) use signal::{Role, Signal};
+pub(crate) use unwrap::Unwrap;
 use value::Value;
 
 /// Most lines of talk that are handed on.

@@ -84,7 +84,13 @@ pub fn probe(chunks: &[Chunk<'_>], bounds: Bounds, take_guesses: bool) -> Result
                 let unit = stated.iter().find(|(of, _)| *of == name).map(|(_, unit)| unit.as_str());
                 let column = column(&name, unit);
                 let role = Role::Channel { unit: None, guess: None };
-                signals.push(Signal { name: name.to_string(), column, values: Vec::new(), role });
+                signals.push(Signal {
+                    name: name.to_string(),
+                    column,
+                    values: Vec::new(),
+                    convention: None,
+                    role,
+                });
                 signals.len() - 1
             });
             if let Value::Number(number) = value {
@@ -96,16 +102,32 @@ pub fn probe(chunks: &[Chunk<'_>], bounds: Bounds, take_guesses: bool) -> Result
         return Err(nothing("fewer than three lines hold a row"));
     }
     signals.retain(|signal| !signal.values.is_empty());
-    assign(&mut signals, take_guesses);
-    let is_channel = |signal: &Signal| matches!(signal.role, Role::Channel { .. });
-    if !signals.iter().any(is_channel) {
+    assign_clock(&mut signals);
+    let Some(found) = conclude(&form, signals, take_guesses, true) else {
         let aside = if take_guesses { " whose unit is known or suggested by its name" } else { "" };
         return Err(nothing(&format!("none holds a number{aside} beside a clock")));
+    };
+    Ok(Found { lines: [understood, lines.len() - understood + bad], ..found })
+}
+
+/// What signals become whose clock is known; `None` if none of them is a channel.
+pub(crate) fn conclude(
+    form: &Form,
+    mut signals: Vec<Signal>,
+    take_guesses: bool,
+    has_numbers: bool,
+) -> Option<Found> {
+    if has_numbers {
+        assign_number(&mut signals);
     }
-    let unknown = unknown(&signals);
-    let assumed = assumed(&signals, take_guesses);
-    let text = write::description(&form, &signals);
-    Ok(Found { text, unknown, assumed, lines: [understood, lines.len() - understood + bad] })
+    assign_units(&mut signals, take_guesses);
+    let is_channel = |signal: &Signal| matches!(signal.role, Role::Channel { .. });
+    signals.iter().any(is_channel).then(|| Found {
+        unknown: unknown(&signals),
+        assumed: assumed(&signals, take_guesses),
+        text: write::description(form, &signals),
+        lines: [0; 2],
+    })
 }
 
 /// The form of most lines, and the units that a header states.
@@ -142,8 +164,8 @@ fn form(lines: &[(String, i64)]) -> Option<(Form, Vec<(String, String)>)> {
     Some((Form::Csv { separator: layout.separator, decimal_comma: layout.decimal_comma, names }, stated))
 }
 
-/// Decides what each signal becomes.
-fn assign(signals: &mut [Signal], take_guesses: bool) {
+/// Finds the device's clock.
+fn assign_clock(signals: &mut [Signal]) {
     let clock = signals
         .iter()
         .position(|signal| is_time_like(&signal.column) && signal.increases())
@@ -160,12 +182,23 @@ fn assign(signals: &mut [Signal], take_guesses: bool) {
         let is_whole = signal.values.iter().all(|(value, _)| value.fract() == 0.0);
         signal.role = Role::Clock { unit, is_measured: stated.is_none(), is_whole };
     }
-    let is_free = |signal: &Signal| matches!(signal.role, Role::Channel { .. });
+}
+
+fn is_free(signal: &Signal) -> bool {
+    matches!(signal.role, Role::Channel { .. })
+}
+
+/// Finds the signal that numbers the rows.
+fn assign_number(signals: &mut [Signal]) {
     if let Some(number) = signals.iter().position(|signal| is_free(signal) && signal.is_number()) {
         signals[number].role = Role::Number;
     }
+}
+
+/// Decides in which unit each signal is.
+fn assign_units(signals: &mut [Signal], take_guesses: bool) {
     for signal in signals.iter_mut().filter(|signal| is_free(signal)) {
-        let guess = likeliest_unit(&signal.column);
+        let guess = signal.convention.or_else(|| likeliest_unit(&signal.column));
         let unit = match signal.column.meaning {
             Meaning::Values(_) | Meaning::Counts => signal.column.unit.clone(),
             _ => None,
@@ -201,7 +234,8 @@ fn assumed(signals: &[Signal], take_guesses: bool) -> Vec<String> {
         )),
         Role::Number if signal.has_no_name() => Some(format!("`{}` numbers the rows", signal.name)),
         Role::Channel { unit: Some(unit), guess: Some(guess) } if take_guesses && unit == guess => {
-            Some(format!("`{}` is in {unit}, by its name", signal.name))
+            let by = if signal.convention.is_some() { "the convention of ROS" } else { "its name" };
+            Some(format!("`{}` is in {unit}, by {by}", signal.name))
         }
         Role::Aside => Some(format!("`{}` is left out, since nothing suggests its unit", signal.name)),
         _ => None,

@@ -13,17 +13,19 @@ const CLOCK_RATIO: std::ops::Range<f64> = 0.7..1.4;
 const NUMBERS: [&str; 10] = ["n", "i", "k", "seq", "sequence", "count", "index", "sample", "frame", "packet"];
 
 /// A signal with its numbers.
-pub(super) struct Signal {
-    pub(super) name: String,
-    pub(super) column: Column,
+pub(crate) struct Signal {
+    pub(crate) name: String,
+    pub(crate) column: Column,
     /// Numbers of the lines that hold one, with their times of arrival, s.
-    pub(super) values: Vec<(f64, f64)>,
-    pub(super) role: Role,
+    pub(crate) values: Vec<(f64, f64)>,
+    /// The unit that a convention gives it.
+    pub(crate) convention: Option<&'static str>,
+    pub(crate) role: Role,
 }
 
 /// What a signal becomes.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Role {
+pub(crate) enum Role {
     Clock {
         unit: Option<&'static str>,
         is_measured: bool,

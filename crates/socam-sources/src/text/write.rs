@@ -71,6 +71,7 @@ fn lines(text: &mut String, form: &Form) {
         }
         Form::Pairs => text.push_str("form = \"pairs\"\n"),
         Form::Json => text.push_str("form = \"json\"\n"),
+        Form::Topics => text.push_str("form = \"foxglove\"\n"),
         // Nothing is guessed of bytes, so that none is written.
         Form::Frames(_) => {}
     }

@@ -100,7 +100,11 @@ pub(super) fn armed(args: &Args, address: &SourceAddress) -> anyhow::Result<Opti
             let drive = super::can::odrive(address, node, period_ns)?;
             follow(args, address, period_us, drive, Effort::Current).map(Some)
         }
-        Protocol::Text | Protocol::Can(_) | Protocol::Dynamixel(_) => Err(wrong(format!(
+        Protocol::Text
+        | Protocol::Can(_)
+        | Protocol::Dynamixel(_)
+        | Protocol::Feetech(_)
+        | Protocol::Foxglove(_) => Err(wrong(format!(
             "--profile commands a board, a virtual bench or a drive; {address} is only listened to, so leave it out"
         ))),
     }

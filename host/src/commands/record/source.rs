@@ -6,20 +6,19 @@ use std::str::FromStr;
 
 use socam_monitoring::Monitor;
 use socam_recording::{MACHINE_KEY, RecordingHeader};
-use socam_sources::dynamixel::Dynamixel;
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
 use socam_sources::text::{Found, TextDevice};
-use socam_sources::{Description, Device as _, SourceError, Timeline};
+use socam_sources::{Description, Device as _, SourceError, Timeline, dynamixel, feetech};
 
-use super::can;
 use super::drive::{self, Armed};
 use super::opened::Opened;
 use super::source_result::{outcome, tell};
 use super::{Args, attachment, now_unix_ns, watched};
+use super::{can, foxglove};
 use crate::commands::Outcome;
 use crate::device::Device;
-use crate::device::source::{Link, Listened, Node, Protocol, SourceAddress, SourcePlan, listen, record};
+use crate::device::source::{Link, Node, Protocol, SourceAddress, SourcePlan, listen, record};
 use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
 use crate::output::{self, WrongArguments};
@@ -58,6 +57,15 @@ pub(super) enum Target {
     Source(SourceAddress),
 }
 
+impl std::fmt::Display for Target {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Board(board) => board.fmt(f),
+            Self::Source(address) => address.fmt(f),
+        }
+    }
+}
+
 impl FromStr for Target {
     type Err = String;
 
@@ -68,6 +76,8 @@ impl FromStr for Target {
             "moteus:",
             "odrive:",
             "dynamixel:",
+            "feetech:",
+            "foxglove:",
             "slcan:",
             "socketcan:",
             "canopen+",
@@ -81,7 +91,7 @@ impl FromStr for Target {
         }
         let board = text.parse().map(Self::Board);
         board.map_err(|error: String| {
-            format!("{error}; or another device: serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT, moteus:PATH?id=1, odrive:PATH?axis=0, dynamixel:PATH?id=1, slcan:PATH?bitrate=500k, socketcan:can0, odrive+slcan:PATH?bitrate=500k&node=1, canopen+socketcan:can0?node=5")
+            format!("{error}; or another device: serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT, moteus:PATH?id=1, odrive:PATH?axis=0, dynamixel:PATH?id=1,2, feetech:PATH?id=1,2, foxglove:HOST:PORT?topics=/joint_states, slcan:PATH?bitrate=500k, socketcan:can0, odrive+slcan:PATH?bitrate=500k&node=1, canopen+socketcan:can0?node=5")
         })
     }
 }
@@ -132,6 +142,7 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
     let duration_s = args.record.duration_s.filter(|_| commanded.is_none());
     header.planned_duration_s = duration_s;
     header.replace = args.force;
+    let serve = args.serve(device.channels(), opened_unix_ns)?;
     header.metadata = metadata(args, &name, &*device, &timeline);
     let is_commanded = commanded.is_some();
     if let Some((profile, limits)) = commanded {
@@ -142,7 +153,7 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
     }
     header.attachments.extend(description.into_iter().flat_map(|text| attachment("device.toml", text)));
     header.attachments.extend(attachment("model.toml", socam_job::model_text(&args.bench.model)?));
-    let plan = SourcePlan { name, path: path.into(), opened_unix_ns, header, duration_s };
+    let plan = SourcePlan { name, path: path.into(), opened_unix_ns, header, duration_s, serve };
     let report = record(&mut link, &mut *device, timeline, plan, heard, watch.transpose()?, &interrupt)?;
     tell(path, &report, is_commanded, args.json)?;
     outcome(path, &report)
@@ -157,20 +168,25 @@ fn open(
 ) -> anyhow::Result<Opened> {
     let name = address.to_string();
     let period_ns = i64::from(args.record.period_us()?) * 1000;
-    let asked: Box<dyn socam_sources::Device> = match address.protocol {
-        Protocol::Moteus(id) => Box::new(Moteus::new(id, period_ns)?),
-        Protocol::Odrive(axis) => Box::new(Odrive::new(axis, period_ns)?),
-        Protocol::Dynamixel(id) => Box::new(Dynamixel::new(id, period_ns)?),
+    let asked: Box<dyn socam_sources::Device> = match &address.protocol {
+        Protocol::Moteus(id) => Box::new(Moteus::new(*id, period_ns)?),
+        Protocol::Odrive(axis) => Box::new(Odrive::new(*axis, period_ns)?),
+        Protocol::Dynamixel(ids) => Box::new(dynamixel::servos(ids, period_ns)?),
+        Protocol::Feetech(ids) => Box::new(feetech::servos(ids, period_ns)?),
         Protocol::Can(node) => {
             // A list of objects describes a drive with CANopen.
             if args.source.accept_guesses || !matches!(node, Node::Canopen(_)) {
                 refuse_description(&args.source)?;
             }
-            return can::open(link, args, address, node, interrupt);
+            return can::open(link, args, address, *node, interrupt);
         }
+        Protocol::Foxglove(topics) => return foxglove::open(link, &name, topics, &args.source, interrupt),
         Protocol::Text => {
             let heard = listen(link, &name, interrupt)?;
-            let description = description(&heard, link, &args.source, &name)?;
+            let bounds = link.bounds();
+            let found = |take_guesses| heard.probe(bounds, take_guesses);
+            let description =
+                described(&args.source, &name, found, |description| heard.check(description, bounds))?;
             let device = TextDevice::new(description.read, link.bounds());
             let timeline = Timeline::new(device.numbering(), device.clock_wrap_s());
             return Ok(Opened {
@@ -215,21 +231,24 @@ fn refuse_board_options(args: &Args, address: &SourceAddress) -> Result<(), Wron
 }
 
 /// A description with its text.
-struct Described {
-    read: Description,
-    text: String,
+pub(super) struct Described {
+    pub(super) read: Description,
+    pub(super) text: String,
 }
 
 /// The description of a file, or of what was heard; a file that is missing is written.
-fn description(heard: &Listened, link: &Link, args: &SourceArgs, name: &str) -> anyhow::Result<Described> {
-    let bounds = link.bounds();
+pub(super) fn described(
+    args: &SourceArgs,
+    name: &str,
+    found: impl Fn(bool) -> socam_sources::Result<Found>,
+    check: impl Fn(&Description) -> anyhow::Result<()>,
+) -> anyhow::Result<Described> {
     if let Some(file) = args.describe.as_deref().filter(|file| file.exists()) {
         let read = Description::open(file)?;
-        heard.check(&read, bounds)?;
+        check(&read)?;
         return Ok(Described { read, text: socam_recording::read_text(file)? });
     }
-    let found = heard.probe(bounds, args.accept_guesses);
-    let found = found.map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+    let found = found(args.accept_guesses).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
     let read = found.description();
     if let Some(file) = &args.describe {
         output::write_whole(file, &found.text)?;
@@ -237,7 +256,7 @@ fn description(heard: &Listened, link: &Link, args: &SourceArgs, name: &str) -> 
     }
     match read {
         Ok(read) => {
-            heard.check(&read, bounds)?;
+            check(&read)?;
             say_found(&found);
             Ok(Described { read, text: found.text })
         }

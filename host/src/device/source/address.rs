@@ -7,11 +7,12 @@ use crate::device::Device;
 
 /// Rate of a serial line that states none; USB ignores it.
 const BAUD: u32 = 115_200;
-/// Rate at which a Dynamixel leaves its factory.
+/// Rates at which a Dynamixel and a Feetech STS leave their factory.
 const DYNAMIXEL_BAUD: u32 = 57_600;
+const FEETECH_BAUD: u32 = 1_000_000;
 
 /// Protocol of a source.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Protocol {
     /// Lines of text.
     Text,
@@ -19,8 +20,12 @@ pub(crate) enum Protocol {
     Moteus(u8),
     /// This axis of an ODrive.
     Odrive(u8),
-    /// The Dynamixel servo of this number.
-    Dynamixel(u8),
+    /// The Dynamixel servos of these numbers.
+    Dynamixel(Vec<u8>),
+    /// The Feetech servos of these numbers.
+    Feetech(Vec<u8>),
+    /// These topics of a Foxglove WebSocket server; none: its only one.
+    Foxglove(Vec<String>),
     /// What is recorded of a CAN bus.
     Can(Node),
 }
@@ -72,7 +77,9 @@ impl FromStr for SourceAddress {
         match kind {
             "moteus" => return drive("id", 1, Protocol::Moteus),
             "odrive" => return drive("axis", 0, Protocol::Odrive),
-            "dynamixel" => return dynamixel(rest),
+            "foxglove" => return foxglove(rest),
+            "dynamixel" => return servos(rest, kind, DYNAMIXEL_BAUD, Protocol::Dynamixel),
+            "feetech" => return servos(rest, kind, FEETECH_BAUD, Protocol::Feetech),
             _ => {}
         }
         let place = match kind {
@@ -101,22 +108,45 @@ fn serial(text: &str) -> Result<Place, String> {
     Ok(Place::Serial(path.into(), rate))
 }
 
-/// The path of a servo's line, its number and the rate of the line: `/dev/ttyUSB0?id=1&baud=57600`.
-fn dynamixel(text: &str) -> Result<SourceAddress, String> {
-    let expected = "expected dynamixel:PATH?id=1&baud=57600";
+/// The path of the line of servos, their numbers and the rate of the line: `/dev/ttyUSB0?id=1,2&baud=57600`.
+fn servos(
+    text: &str,
+    kind: &str,
+    default_baud: u32,
+    of: fn(Vec<u8>) -> Protocol,
+) -> Result<SourceAddress, String> {
+    let expected = || format!("expected {kind}:PATH?id=1,2&baud={default_baud}");
     let (path, options) = text.split_once('?').unwrap_or((text, ""));
-    let (mut id, mut baud) = (1, DYNAMIXEL_BAUD);
+    let (mut ids, mut baud) = (vec![1], default_baud);
     for option in options.split('&').filter(|option| !option.is_empty()) {
         match option.split_once('=') {
-            Some(("id", value)) => id = value.parse().map_err(|_| expected)?,
-            Some(("baud", value)) => baud = value.parse().ok().filter(|rate| *rate > 0).ok_or(expected)?,
-            _ => return Err(format!("`{option}` is not understood; {expected}")),
+            Some(("id", list)) => {
+                let read: Result<_, _> = list.split(',').map(str::parse).collect();
+                ids = read.map_err(|_| expected())?;
+            }
+            Some(("baud", value)) => {
+                baud = value.parse().ok().filter(|rate| *rate > 0).ok_or_else(expected)?;
+            }
+            _ => return Err(format!("`{option}` is not understood; {}", expected())),
         }
     }
     if path.is_empty() {
-        return Err(expected.into());
+        return Err(expected());
     }
-    Ok(SourceAddress { protocol: Protocol::Dynamixel(id), place: Place::Serial(path.into(), baud) })
+    Ok(SourceAddress { protocol: of(ids), place: Place::Serial(path.into(), baud) })
+}
+
+/// The address of a server and its topics: `127.0.0.1:8765?topics=/joint_states,/drive`.
+fn foxglove(text: &str) -> Result<SourceAddress, String> {
+    let (address, topics) = match text.split_once('?') {
+        Some((address, option)) => {
+            let topics = option.strip_prefix("topics=").filter(|topics| !topics.is_empty());
+            let expected = || format!("`?{option}` is not understood; expected ?topics=/joint_states,/drive");
+            (address, topics.ok_or_else(expected)?.split(',').map(str::to_owned).collect())
+        }
+        None => (text, Vec::new()),
+    };
+    Ok(SourceAddress { protocol: Protocol::Foxglove(topics), place: Place::Tcp(host_and_port(address)?) })
 }
 
 /// The path of a drive's line, and its number: `/dev/ttyACM0?id=1`.
@@ -155,11 +185,21 @@ impl std::fmt::Display for Place {
 
 impl std::fmt::Display for SourceAddress {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match (self.protocol, &self.place) {
+        let list = |ids: &[u8]| ids.iter().map(u8::to_string).collect::<Vec<_>>().join(",");
+        match (&self.protocol, &self.place) {
             (Protocol::Moteus(id), Place::Serial(path, _)) => write!(f, "moteus:{path}?id={id}"),
             (Protocol::Odrive(axis), Place::Serial(path, _)) => write!(f, "odrive:{path}?axis={axis}"),
-            (Protocol::Dynamixel(id), Place::Serial(path, baud)) => {
-                write!(f, "dynamixel:{path}?id={id}&baud={baud}")
+            (Protocol::Dynamixel(ids), Place::Serial(path, baud)) => {
+                write!(f, "dynamixel:{path}?id={}&baud={baud}", list(ids))
+            }
+            (Protocol::Feetech(ids), Place::Serial(path, baud)) => {
+                write!(f, "feetech:{path}?id={}&baud={baud}", list(ids))
+            }
+            (Protocol::Foxglove(topics), Place::Tcp(address)) if topics.is_empty() => {
+                write!(f, "foxglove:{address}")
+            }
+            (Protocol::Foxglove(topics), Place::Tcp(address)) => {
+                write!(f, "foxglove:{address}?topics={}", topics.join(","))
             }
             (Protocol::Can(node), Place::Bus(bus)) => node.show(bus, f),
             (_, place) => place.fmt(f),

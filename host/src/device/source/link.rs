@@ -76,6 +76,15 @@ impl Link {
         }
     }
 
+    /// `HOST:PORT` of a link by TCP.
+    #[cfg(feature = "foxglove")]
+    pub(crate) fn address(&self) -> Option<&str> {
+        match &self.place {
+            Place::Tcp(address) => Some(address),
+            Place::Serial(..) | Place::Udp(_) | Place::Bus(_) => None,
+        }
+    }
+
     /// Time since the link was opened first, ns.
     pub(crate) fn now_ns(&self) -> i64 {
         i64::try_from(self.begin.elapsed().as_nanos()).unwrap_or(i64::MAX)

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use socam_recording::{RecordingHeader, RecordingSummary};
 use socam_sources::{ClockMap, Counts};
 
+use crate::serve::Serve;
+
 /// The settings of a recording of a source.
 pub(crate) struct SourcePlan {
     /// Name of the device in messages.
@@ -17,6 +19,8 @@ pub(crate) struct SourcePlan {
     pub(crate) header: RecordingHeader,
     /// Time from the first to the last sample; `None` until it is stopped.
     pub(crate) duration_s: Option<f64>,
+    /// Whoever looks at it while it runs.
+    pub(crate) serve: Option<Serve>,
 }
 
 /// How a recording of a source ended; the recorded samples are kept in any case.

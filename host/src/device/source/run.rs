@@ -31,6 +31,8 @@ struct Run<'r> {
     timeline: Timeline,
     watch: Option<LiveWatch>,
     recorder: Option<Recorder>,
+    /// Events before the first sample, which wait for the file.
+    early: Vec<Event>,
     /// Time of the last sample, ns since the first.
     time_ns: i64,
     /// Time at which the last status was written.
@@ -64,6 +66,7 @@ pub(crate) fn record(
         timeline,
         watch,
         recorder: None,
+        early: Vec::new(),
         time_ns: 0,
         status_ns: 0,
         notes: 0,
@@ -224,6 +227,9 @@ impl Run<'_> {
             if let Some(watch) = &mut self.watch {
                 watch.take(&rows);
             }
+            if let Some(serve) = &mut self.plan.serve {
+                serve.take(&rows);
+            }
             recorder.push_samples(&rows);
         }
         if self.time_ns - self.status_ns >= STATUS_EVERY_NS {
@@ -235,7 +241,14 @@ impl Run<'_> {
     /// Creates the file at the first sample, whose time of day it states.
     fn create(&mut self, arrival_ns: i64) -> anyhow::Result<()> {
         self.plan.header.start_unix_ns = self.plan.opened_unix_ns.saturating_add_signed(arrival_ns);
-        self.recorder = Some(Recorder::create(&self.plan.path, &self.plan.header)?);
+        if let Some(serve) = &mut self.plan.serve {
+            serve.begin(self.plan.header.start_unix_ns);
+        }
+        let mut recorder = Recorder::create(&self.plan.path, &self.plan.header)?;
+        for event in self.early.drain(..) {
+            recorder.event(&event);
+        }
+        self.recorder = Some(recorder);
         Ok(())
     }
 
@@ -297,8 +310,14 @@ impl Run<'_> {
     }
 
     fn write(&mut self, event: &Event) {
-        if let Some(recorder) = &mut self.recorder {
-            recorder.event(event);
+        if let Some(serve) = &mut self.plan.serve {
+            serve.event(event);
+        }
+        match &mut self.recorder {
+            Some(recorder) => {
+                recorder.event(event);
+            }
+            None => self.early.push(event.clone()),
         }
     }
 

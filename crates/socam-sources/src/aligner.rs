@@ -1,4 +1,4 @@
-//! Rows out of frames that come at different rates: a row for each frame of the fastest kind, at its time.
+//! Rows out of frames or messages that come at different rates: a row for each frame of the fastest kind, at its time.
 //!
 //! Values of the other kinds are interpolated between the frames before and after the row, over 2.5 of their usual steps at most. Those of a kind
 //! that is three times slower or more are put at the nearest row alone. What is not known is NaN. `socam_import` does alike with logs.
@@ -16,11 +16,11 @@ const MOST_WAITING: usize = 4096;
 
 /// A kind of frames.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Kind {
+pub(crate) struct Kind {
     /// Usual time between its frames, s.
-    pub(super) step_s: f64,
+    pub(crate) step_s: f64,
     /// Number of its values.
-    pub(super) width: usize,
+    pub(crate) width: usize,
 }
 
 /// A frame of a kind that is not the fastest.
@@ -28,7 +28,7 @@ type Sample = (f64, Vec<f64>);
 
 /// Puts frames of kinds together; the first kind gives the rows.
 #[derive(Debug)]
-pub(super) struct Aligner {
+pub(crate) struct Aligner {
     kinds: Vec<Kind>,
     last: Vec<Option<Sample>>,
     waiting: VecDeque<Waiting>,
@@ -46,7 +46,7 @@ struct Waiting {
 }
 
 impl Aligner {
-    pub(super) fn new(kinds: Vec<Kind>) -> Self {
+    pub(crate) fn new(kinds: Vec<Kind>) -> Self {
         let count = kinds.len();
         Self { kinds, last: vec![None; count], waiting: VecDeque::new(), early: vec![None; count] }
     }
@@ -56,7 +56,7 @@ impl Aligner {
     }
 
     /// Takes a frame of a kind, and hands on the rows that are complete: time, s, values of all kinds, and the mark of their frame.
-    pub(super) fn push(
+    pub(crate) fn push(
         &mut self,
         kind: usize,
         time_s: f64,
