@@ -17,7 +17,7 @@ use socam_workbench::entry::Entry;
 use socam_workbench::job::Job;
 use socam_workbench::purpose::Purpose;
 use socam_workbench::recording::Recording;
-use socam_workbench::{Content, Request, Simulate, View, Workspace};
+use socam_workbench::{Content, Departure, Request, Simulate, View, Workspace};
 
 use crate::help;
 use crate::layout::Layout;
@@ -25,10 +25,12 @@ use crate::platform::{self, Views};
 use crate::progress::wake;
 
 /// An error or a remark; it is shown until it is dismissed.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 struct Notice {
     text: String,
     grave: bool,
+    /// What a diagnosis is offered for.
+    departure: Option<Departure>,
 }
 
 /// The dashboard with all its views.
@@ -76,6 +78,7 @@ impl Dashboard {
         let mut workspace = Workspace::new(model);
         workspace.has_bench = platform::HAS_BENCH;
         workspace.device.clone_from(&layout.device);
+        workspace.stated.clone_from(&layout.stated);
         Self {
             layout,
             workspace,
@@ -177,17 +180,36 @@ impl Dashboard {
 
     /// Shows a remark.
     pub(crate) fn say(&mut self, text: impl Into<String>) {
-        self.notices.push(Notice { text: text.into(), grave: false });
+        self.notices.push(Notice { text: text.into(), grave: false, departure: None });
     }
 
     /// Shows an error, unless it is shown already.
     pub fn warn(&mut self, text: impl Into<String>) {
-        self.notify(Notice { text: text.into(), grave: true });
+        self.notify(Notice { text: text.into(), grave: true, departure: None });
     }
 
     fn notify(&mut self, notice: Notice) {
         if !self.notices.contains(&notice) {
             self.notices.push(notice);
+        }
+    }
+
+    /// Shows an alarm in every view; of several the last one alone.
+    fn alarm(&mut self, departure: Departure, text: String) {
+        self.notices.retain(|notice| notice.departure.is_none());
+        self.notify(Notice { text, grave: true, departure: Some(departure) });
+    }
+
+    /// Opens what was recorded since a departure, and shows the set-up of a diagnosis.
+    fn diagnose_since(&mut self, departure: Departure) {
+        match self.workspace.bench.recorded_since(departure.link, departure.onset_s) {
+            Some(run) => {
+                self.workspace.request(Request::Open(run));
+                self.workspace.request(Request::Show(View::Diagnosis));
+            }
+            None => self.warn(
+                "a diagnosis needs a second of recording since the change at least: record the device, and ask again",
+            ),
         }
     }
 
@@ -239,6 +261,10 @@ impl Dashboard {
         if let Some(command) = self.help.is_open.then(|| self.help.ui(&ctx)).flatten() {
             self.run(&ctx, command);
         }
+        if self.workspace.bench.is_connected() {
+            self.layout.device.clone_from(&self.workspace.device);
+            self.layout.stated.clone_from(&self.workspace.stated);
+        }
         self.layout.panels = crate::layout::panels(&ctx);
         self.layout.plots = self.views.time.arrangement();
         self.export(&ctx);
@@ -267,6 +293,8 @@ impl Dashboard {
                 Request::Signal(profile) => self.show(Document::Signal(*profile)),
                 Request::Model(model) => self.show(Document::Model(model)),
                 Request::Alarm(text) => self.workspace.bench.mark_alarm(text),
+                Request::Alarmed(departure, text) => self.alarm(departure, text),
+                Request::Diagnose(departure) => self.diagnose_since(departure),
                 Request::Say(text) => self.say(text),
                 Request::Warn(text) => self.warn(text),
             }
@@ -279,7 +307,7 @@ impl Dashboard {
             let on_button = || input.pointer.interact_pos().is_some_and(|at| self.stop_button.contains(at));
             input.key_pressed(Key::Escape) || (input.pointer.primary_pressed() && on_button())
         };
-        if self.workspace.bench.is_connected() && ctx.input(stop) {
+        if self.workspace.bench.is_commanded() && ctx.input(stop) {
             self.workspace.bench.emergency_stop();
         }
         if ctx.input(|input| input.key_pressed(Key::Escape)) {

@@ -2,10 +2,10 @@
 
 mod can;
 mod drive;
-mod opened;
+pub(crate) mod opened;
 mod result;
-mod source;
-mod source_result;
+pub(crate) mod source;
+pub(crate) mod source_result;
 
 use std::fmt::Write;
 use std::path::PathBuf;

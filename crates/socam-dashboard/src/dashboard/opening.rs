@@ -48,7 +48,7 @@ impl Dashboard {
                     self.show_found(found, path.as_deref());
                 }
                 Err((sentence, _)) if sentence == CANCELLED => {}
-                Err((text, _)) => self.notify(Notice { text, grave: true }),
+                Err((text, _)) => self.notify(Notice { text, grave: true, departure: None }),
             }
         }
     }

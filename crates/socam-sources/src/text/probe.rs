@@ -19,6 +19,9 @@ const MOST: usize = 2000;
 pub struct Found {
     /// The description as text, with `?` where the device does not state something, and guesses as comments.
     pub text: String,
+    /// The description as text, with plain numbers in the place of units that the device does not state, and times of arrival in that
+    /// of a clock without a unit.
+    pub plain: String,
     /// What the device does not state, by signal.
     pub unknown: Vec<String>,
     /// What was concluded from the numbers.
@@ -105,7 +108,9 @@ pub fn probe(chunks: &[Chunk<'_>], bounds: Bounds, take_guesses: bool) -> Result
     let unknown = unknown(&signals);
     let assumed = assumed(&signals, take_guesses);
     let text = write::description(&form, &signals);
-    Ok(Found { text, unknown, assumed, lines: [understood, lines.len() - understood + bad] })
+    signals.iter_mut().for_each(Signal::make_plain);
+    let plain = write::description(&form, &signals);
+    Ok(Found { text, plain, unknown, assumed, lines: [understood, lines.len() - understood + bad] })
 }
 
 /// The form of most lines, and the units that a header states.

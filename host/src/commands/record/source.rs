@@ -26,22 +26,22 @@ use crate::output::{self, WrongArguments};
 
 /// Options of devices other than the own board.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct SourceArgs {
+pub(crate) struct SourceArgs {
     /// File that says what a device's lines hold: names, units, clock. If there is none, it is written, with a question mark for all that
     /// the device does not state; complete it and record again
     #[arg(long, value_name = "D.toml")]
-    describe: Option<PathBuf>,
+    pub(crate) describe: Option<PathBuf>,
     /// Take units that names suggest without asking, and leave out signals whose names suggest none
     #[arg(long)]
-    accept_guesses: bool,
+    pub(crate) accept_guesses: bool,
     /// DBC that says what the frames of a CAN bus hold
     #[arg(long, value_name = "FILE.dbc")]
-    dbc: Option<PathBuf>,
+    pub(crate) dbc: Option<PathBuf>,
 }
 
 /// What `--device` names.
 #[derive(Debug, Clone)]
-pub(super) enum Target {
+pub(crate) enum Target {
     Board(Device),
     Source(SourceAddress),
 }
@@ -65,7 +65,7 @@ impl FromStr for Target {
 }
 
 /// The device, which a description makes one of lines of text.
-pub(super) fn of(target: &Target, args: &SourceArgs) -> Result<Target, WrongArguments> {
+pub(crate) fn of(target: &Target, args: &SourceArgs) -> Result<Target, WrongArguments> {
     let Target::Board(board) = target else { return Ok(target.clone()) };
     if args.dbc.is_some() {
         return Err(WrongArguments(format!(
@@ -98,7 +98,10 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
             refuse_description(&args.source)?;
             (Opened::asked(device), Some((profile, limits)))
         }
-        None => (open(&mut link, args, address, &interrupt)?, None),
+        None => {
+            let period_ns = i64::from(args.record.period_us()?) * 1000;
+            (open(&mut link, &args.source, period_ns, address, &interrupt)?, None)
+        }
     };
     let Opened { mut device, timeline, heard, description } = opened;
     let channels = device.channels().to_vec();
@@ -110,7 +113,9 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
     let duration_s = args.record.duration_s.filter(|_| commanded.is_none());
     header.planned_duration_s = duration_s;
     header.replace = args.force;
-    header.metadata = metadata(args, &name, &*device, &timeline);
+    header.metadata = metadata(&name, &*device, &timeline);
+    header.metadata.extend(args.note.clone().map(|note| ("note".into(), note)));
+    header.metadata.extend(args.machine.clone().map(|machine| (MACHINE_KEY.into(), machine)));
     let is_commanded = commanded.is_some();
     if let Some((profile, limits)) = commanded {
         header.planned_duration_s = Some(profile.duration_s + profile.ramp_s);
@@ -127,25 +132,25 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
 }
 
 /// Makes the protocol of a device; a device of text is listened to first.
-fn open(
+pub(crate) fn open(
     link: &mut Link,
-    args: &Args,
+    args: &SourceArgs,
+    period_ns: i64,
     address: &SourceAddress,
     interrupt: &Interrupt,
 ) -> anyhow::Result<Opened> {
     let name = address.to_string();
-    let period_ns = i64::from(args.record.period_us()?) * 1000;
     let asked: Box<dyn socam_sources::Device> = match address.protocol {
         Protocol::Moteus(id) => Box::new(Moteus::new(id, period_ns)?),
         Protocol::Odrive(axis) => Box::new(Odrive::new(axis, period_ns)?),
         Protocol::Dynamixel(id) => Box::new(Dynamixel::new(id, period_ns)?),
         Protocol::Slcan(bitrate) => {
-            refuse_description(&args.source)?;
-            return can::open(link, &name, bitrate, args.source.dbc.as_deref(), interrupt);
+            refuse_description(args)?;
+            return can::open(link, &name, bitrate, args.dbc.as_deref(), interrupt);
         }
         Protocol::Text => {
             let heard = listen(link, &name, interrupt)?;
-            let description = description(&heard, link, &args.source, &name)?;
+            let description = description(&heard, link, args, &name)?;
             let device = TextDevice::new(description.read, link.bounds());
             let timeline = Timeline::new(device.numbering(), device.clock_wrap_s());
             return Ok(Opened {
@@ -156,7 +161,7 @@ fn open(
             });
         }
     };
-    refuse_description(&args.source)?;
+    refuse_description(args)?;
     Ok(Opened::asked(asked))
 }
 
@@ -234,19 +239,16 @@ fn say_found(found: &Found) {
     }
 }
 
-fn metadata(
-    args: &Args,
+/// What a recording of a device says of it.
+pub(crate) fn metadata(
     name: &str,
     device: &dyn socam_sources::Device,
     timeline: &Timeline,
 ) -> BTreeMap<String, String> {
-    let mut metadata = BTreeMap::from([
+    BTreeMap::from([
         ("device".to_owned(), name.to_owned()),
         ("device_kind".to_owned(), device.kind()),
         ("lost_samples".to_owned(), format!("counted {}", timeline.counted_by())),
         ("host".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-    ]);
-    metadata.extend(args.note.clone().map(|note| ("note".into(), note)));
-    metadata.extend(args.machine.clone().map(|machine| (MACHINE_KEY.into(), machine)));
-    metadata
+    ])
 }

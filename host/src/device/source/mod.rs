@@ -7,7 +7,11 @@ mod report;
 mod run;
 
 pub(crate) use address::{Protocol, SourceAddress};
+#[cfg(feature = "window")]
+pub(crate) use link::Arrived;
 pub(crate) use link::Link;
 pub(crate) use listen::{Listened, listen};
+#[cfg(feature = "window")]
+pub(crate) use report::clock_text;
 pub(crate) use report::{SourceEnd, SourcePlan, SourceReport};
 pub(crate) use run::record;

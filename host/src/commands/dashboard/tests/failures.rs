@@ -37,10 +37,10 @@ fn a_link_that_nobody_answers_is_given_up_at_once() {
     let silent = TcpListener::bind("127.0.0.1:0").unwrap();
     let mut window = window(&format!("tcp:{}", silent.local_addr().unwrap()), folder.path(), 1000.0);
     click(&mut window, "Connect");
-    window.get_by_label("asking the board who it is");
+    window.get_by_label("asking the device who it is, or listening to it");
     click(&mut window, "Cancel");
     window.get_by_label("Connect");
-    window.get_by_label("no board");
+    window.get_by_label("no device");
     // Later events of the cancelled connection do not disturb the next link.
     click(&mut window, "Connect");
     until(&mut window, "a sentence", |window| window.query_by_label_contains("says nothing").is_some());
@@ -104,7 +104,7 @@ fn a_board_that_vanishes_in_mid_run_is_said_in_place_and_what_was_recorded_is_ke
         window.state().workspace.bench
     );
     window.get_by_label("Connect");
-    window.get_by_label("no board");
+    window.get_by_label("no device");
     click(&mut window, "Look at the recording");
     until(&mut window, "the recording", |window| !window.state().is_busy());
     window.run_steps(2);
