@@ -105,9 +105,12 @@ fn input_signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Acti
 /// Amplitude and duration of a profile.
 fn profile(ui: &mut Ui, file: &mut ProfileFile) {
     let unit = if file.command == Command::Voltage { "V" } else { "rad/s" };
-    if let Some((mut amplitude, most)) = input_signal::amplitude(file).filter(|(_, most)| *most > 0.0) {
+    let (mut amplitude, most) = input_signal::amplitude(file);
+    // A slider at zero would forget the form of steps.
+    let least = 0.02 * most;
+    if most > 0.0 {
         let before = amplitude;
-        slider(ui, "Amplitude", &mut amplitude, [0.0, most], unit);
+        slider(ui, "Amplitude", &mut amplitude, [least, most], unit);
         if amplitude != before {
             input_signal::set_amplitude(file, amplitude);
         }

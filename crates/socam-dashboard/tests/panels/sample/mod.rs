@@ -194,7 +194,7 @@ fn diagnosed(look: Look, over: Over) -> Dashboard {
 
 /// The states in which the views are looked at, by name: with data and without, with twelve recordings, with one sample, with long
 /// names, gaps, missing values and spikes, with something wrong.
-pub(crate) const STATES: [&str; 47] = [
+pub(crate) const STATES: [&str; 49] = [
     "time-bench",
     "time-formula",
     "response-decibel",
