@@ -53,6 +53,7 @@ mod mcp;
 mod readers;
 mod record;
 #[cfg(unix)]
+mod several;
 mod sources;
 mod watch;
 

@@ -21,6 +21,7 @@
 /// Kelvins at 0 degrees Celsius, in which drives state their temperatures.
 const ZERO_CELSIUS_K: f64 = 273.15;
 
+mod aligner;
 mod asking;
 #[cfg(feature = "can")]
 pub mod can;
@@ -36,6 +37,7 @@ pub mod simulators;
 pub mod text;
 mod timeline;
 
+pub use aligner::{Aligner, Kind};
 pub use commanded::Commanded;
 pub use description::{ClockColumn, Description, SCHEMA};
 pub use device::{Chunk, Device, Heard, Numbering, Row};

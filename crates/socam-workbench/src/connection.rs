@@ -121,7 +121,7 @@ impl Connection {
     #[must_use]
     pub fn state_text(&self) -> String {
         match (&self.link, &self.health) {
-            (Link::Closed, _) => "no device".into(),
+            (Link::Closed, _) => "no board".into(),
             (Link::Opening, _) => "connecting".into(),
             (Link::Open { peer: Peer::Source(source), .. }, _) => {
                 let is_away = self.source.as_ref().is_some_and(|state| state.away.is_some());

@@ -4,6 +4,7 @@ mod can;
 mod drive;
 pub(crate) mod opened;
 mod result;
+mod several;
 pub(crate) mod source;
 pub(crate) mod source_result;
 
@@ -53,9 +54,10 @@ pub(crate) struct Args {
     output: Option<PathBuf>,
     /// Board: serial (the one on USB), serial:PATH, tcp:HOST:PORT, or sim (a virtual one). Lines of text of another device:
     /// serial:PATH?baud=RATE, text+tcp:HOST:PORT, udp:HOST:PORT. Drives, asked or, with --arm, commanded: moteus:PATH?id=1 (an
-    /// fdcanusb), odrive:PATH?axis=0 (USB). A servo, only asked: dynamixel:PATH?id=1&baud=57600. A CAN bus with --dbc, only listened to: slcan:PATH?bitrate=500k
+    /// fdcanusb), odrive:PATH?axis=0 (USB). A servo, only asked: dynamixel:PATH?id=1&baud=57600. A CAN bus with --dbc, only listened to: slcan:PATH?bitrate=500k. Given
+    /// several times, devices that are listened to or asked go into one recording
     #[arg(long, value_name = "DEVICE", required_unless_present = "list_profiles")]
-    device: Option<Target>,
+    device: Vec<Target>,
     #[command(flatten)]
     source: SourceArgs,
     #[command(flatten)]
@@ -99,10 +101,13 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         output::print(&profiles()?)?;
         return Ok(Outcome::Done);
     }
-    let (Some(path), Some(device)) = (&args.output, &args.device) else {
+    let (Some(path), [device, more @ ..]) = (&args.output, &args.device[..]) else {
         return Err(WrongArguments("record needs --output and --device".into()).into());
     };
     check_output(path, args.force)?;
+    if !more.is_empty() {
+        return several::run(&args, path);
+    }
     let device = match source::of(device, &args.source)? {
         Target::Source(address) => return source::run(&args, path, &address),
         Target::Board(board) => &board.with_token(args.token.read()?),

@@ -374,13 +374,13 @@ fn the_help_does_not_cover_the_emergency_stop() {
 fn the_state_of_the_watch_is_seen_in_every_view() {
     use socam_workbench::watch::{Tone, WatchState};
     let mut window = with(View::Time, 1);
-    assert_eq!(window.state().title(), "socam: no device");
+    assert_eq!(window.state().title(), "socam: no board");
     window.state_mut().workspace.watch = Some(WatchState { text: "not judged".into(), tone: Tone::Quiet });
     for view in ["Live", "Time", "Frequency", "Check", "Identify", "Diagnosis"] {
         click(&mut window, view);
         window.get_by_label("Watch: not judged");
     }
-    assert_eq!(window.state().title(), "socam: no device; watch: not judged");
+    assert_eq!(window.state().title(), "socam: no board; watch: not judged");
     click(&mut window, "Watch: not judged");
     assert_eq!(window.state().layout.view, View::Watch);
 }

@@ -1,6 +1,5 @@
 //! A CAN bus behind an adapter that speaks slcan. It is only listened to: the adapter neither sends nor acknowledges frames.
 
-mod aligner;
 mod slcan;
 mod survey;
 
@@ -10,9 +9,9 @@ use socam_import::{CanSet, CanSignals};
 use socam_recording::Channel;
 use socam_units::Conversion;
 
+use crate::aligner::{Aligner, Kind};
 use crate::device::{Chunk, Device, Heard, Numbering, Row};
 use crate::error::Result;
-use aligner::{Aligner, Kind};
 use slcan::{ASK_FLAGS, Said, Stream, WRAP_MS, flags_text};
 pub use slcan::{CanFrame, opening};
 pub use survey::{Found, survey};

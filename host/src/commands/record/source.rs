@@ -174,7 +174,7 @@ fn refuse_description(args: &SourceArgs) -> Result<(), WrongArguments> {
 }
 
 /// Options that only the own board, or a virtual bench, understands.
-fn refuse_board_options(args: &Args, address: &SourceAddress) -> Result<(), WrongArguments> {
+pub(super) fn refuse_board_options(args: &Args, address: &SourceAddress) -> Result<(), WrongArguments> {
     let is_can = matches!(address.protocol, Protocol::Slcan(_));
     if args.source.dbc.is_some() && !is_can {
         return Err(WrongArguments(format!(

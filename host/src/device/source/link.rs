@@ -133,7 +133,6 @@ impl Link {
     }
 
     /// Takes the next sender of packets for the device: one that begins anew sends from another port.
-    #[cfg(feature = "window")]
     pub(crate) fn forget_sender(&mut self) {
         if let Some(Open::Packets { sender, .. }) = &mut self.open {
             *sender = None;

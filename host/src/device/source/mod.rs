@@ -3,14 +3,14 @@
 mod address;
 mod link;
 mod listen;
+mod listener;
 mod report;
 mod run;
 
-pub(crate) use address::{Protocol, SourceAddress};
-#[cfg(feature = "window")]
-pub(crate) use link::Arrived;
+pub(crate) use address::{Place, Protocol, SourceAddress};
 pub(crate) use link::Link;
 pub(crate) use listen::{Listened, listen};
+pub(crate) use listener::{Got, Listener, Row};
 #[cfg(feature = "window")]
 pub(crate) use report::clock_text;
 pub(crate) use report::{SourceEnd, SourcePlan, SourceReport};

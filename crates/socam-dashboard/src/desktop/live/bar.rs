@@ -84,7 +84,10 @@ fn source_buttons(ui: &mut Ui, workspace: &mut Workspace, source: &Source, [reco
         }
     }
     let text = RichText::new(source.words()).small().color(theme::body(ui));
-    ui.put(words, Label::new(text).wrap());
+    let place = egui::Layout::left_to_right(egui::Align::Center).with_main_wrap(true);
+    ui.scope_builder(egui::UiBuilder::new().max_rect(words).layout(place), |ui| {
+        ui.add(Label::new(text).wrap())
+    });
 }
 
 /// A button that is disabled for a reason, or does what its tip says. True when it or its keys were pressed.
@@ -205,7 +208,7 @@ fn of_source(bench: &Connection, source: &Source) -> Words {
         return Words { text, is_grave: true, action: None };
     }
     let text = match &source.unstated {
-        Some(unstated) => format!("drawn as plain numbers, because {}", unstated.sentence),
+        Some(_) => "drawn as plain numbers: write a description at the left, complete it, and connect again to record".into(),
         None if bench.is_recording() => "recorded: End closes the file".into(),
         None => "samples arrive: Record writes them into a file".into(),
     };

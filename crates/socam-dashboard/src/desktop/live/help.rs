@@ -4,7 +4,7 @@ use crate::view::Help;
 
 pub(super) const HELP: Help = &[
     (
-        "Device; Forms",
+        "Address; Forms",
         "sim: a virtual bench; serial: the board on USB; serial:PATH; tcp:HOST:PORT; others that `record` takes, of which Forms gives examples",
     ),
     (

@@ -17,20 +17,22 @@ pub(super) fn link(
 ) -> Option<Action> {
     let mut action = None;
     let closed = *bench.link() == Link::Closed;
+    let label = ui.label("Address");
+    let field = TextEdit::singleline(device).desired_width(ui.available_width() - 8.0);
+    let hint = "sim, serial, serial:PATH, tcp:HOST:PORT, or another device: Forms lists examples";
+    let field = ui.add_enabled(closed, field).labelled_by(label.id).on_hover_text(hint);
+    field.on_disabled_hover_text(device.as_str());
     ui.horizontal(|ui| {
-        let label = ui.label("Device");
-        let field = TextEdit::singleline(device).desired_width(ui.available_width() - 96.0);
-        ui.add_enabled(closed, field).labelled_by(label.id).on_hover_text(device.as_str());
         if closed {
             if ui.button("Connect").clicked() {
                 action = Some(Action::Connect);
             }
+            forms(ui, device);
         } else if ui.button(if *bench.link() == Link::Opening { "Cancel" } else { "Disconnect" }).clicked() {
             action = Some(Action::Disconnect);
         }
     });
     ui.add_enabled_ui(closed, |ui| {
-        forms(ui, device);
         say(ui, Needs::of(device), stated);
     });
     if let Link::Open { board, .. } = bench.link() {

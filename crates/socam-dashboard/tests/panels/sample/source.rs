@@ -79,8 +79,6 @@ pub(crate) fn drive(look: Look) -> Dashboard {
         Channel::new("speed", Unit::RadPerS),
         Channel::new("torque", Unit::Nm),
         Channel::new("current", Unit::A),
-        Channel::new("voltage", Unit::V),
-        Channel::new("temperature", Unit::K),
     ];
     let command = "socam-host record --device 'moteus:/dev/ttyACM0?id=1' -o run.mcap --profile speeds.toml --limit 30rad/s --limit 0.5Nm --arm";
     let source = Source { is_asked: true, commanded_by: Some(command.into()), unstated: None };
@@ -90,7 +88,7 @@ pub(crate) fn drive(look: Look) -> Dashboard {
     tell(&bench, 1.0, "start", "the recording begins");
     tell(&bench, 4.99, "fault", "the link broke: the other end closed it");
     tell(&bench, 5.99, "note", "the link is back");
-    bench.samples.push(samples(6, 500..600));
+    bench.samples.push(samples(4, 500..600));
     let state = SourceState {
         received: 700,
         lost: 100,

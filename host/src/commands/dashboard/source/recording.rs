@@ -3,12 +3,11 @@
 use std::path::PathBuf;
 
 use socam_recording::{Recorder, RecordingHeader, SampleRow, Status};
-use socam_sources::{Counts, Device, Timeline};
+use socam_sources::Counts;
 
-use super::shown::Row;
 use crate::commands::record::source::metadata;
 use crate::commands::record::{attachment, source_result};
-use crate::device::source::{SourceEnd, SourceReport, clock_text};
+use crate::device::source::{Listener, Row, SourceEnd, SourceReport, clock_text};
 
 /// Interval of the statuses in the recording.
 const STATUS_EVERY_NS: i64 = 1_000_000_000;
@@ -30,16 +29,15 @@ impl Header {
         &self,
         path: PathBuf,
         note: String,
-        device: &dyn Device,
-        timeline: &Timeline,
+        listener: &Listener,
     ) -> Result<Recording, String> {
         if let Some(sentence) = &self.unstated {
             return Err(format!(
                 "{sentence}: a recording needs that, so write the description, replace each \"?\" in it, and connect again"
             ));
         }
-        let mut header = RecordingHeader::new(device.channels().to_vec());
-        header.metadata = metadata(&self.name, device, timeline);
+        let mut header = RecordingHeader::new(listener.device.channels().to_vec());
+        header.metadata = metadata(&self.name, &*listener.device, &listener.timeline);
         if !note.is_empty() {
             header.metadata.insert("note".into(), note);
         }
@@ -48,7 +46,13 @@ impl Header {
         header.attachments.extend(attachment("model.toml", self.model.clone()));
         // Until a row has arrived, this is the time of day at which the link was opened.
         header.start_unix_ns = self.opened_unix_ns;
-        Ok(Recording { path, header, open: None, before: Counts::default(), interruptions: 0 })
+        Ok(Recording {
+            path,
+            header,
+            open: None,
+            before: listener.timeline.counts(),
+            interruptions: listener.interruptions,
+        })
     }
 }
 
@@ -74,16 +78,10 @@ struct Open {
 }
 
 impl Recording {
-    /// The recording, which counts from now on.
-    pub(super) fn counting_from(mut self, timeline: &Timeline, interruptions: u64) -> Self {
-        (self.before, self.interruptions) = (timeline.counts(), interruptions);
-        self
-    }
-
-    /// Records rows; returns the index of the first row of the recording if it begins with these. `damaged`: damaged messages so far.
+    /// Records rows; returns whether the recording begins with these. `damaged`: damaged messages so far.
     /// An error is one sentence.
-    pub(super) fn take(&mut self, rows: &[Row], damaged: u64) -> Result<Option<usize>, String> {
-        let Some(first) = rows.first() else { return Ok(None) };
+    pub(super) fn take(&mut self, rows: &[Row], damaged: u64) -> Result<bool, String> {
+        let Some(first) = rows.first() else { return Ok(false) };
         let begins = self.open.is_none();
         let open = match &mut self.open {
             Some(open) => open,
@@ -110,7 +108,7 @@ impl Recording {
         if open.last_ns - open.status_ns >= STATUS_EVERY_NS {
             open.status(damaged.saturating_sub(self.before.damaged));
         }
-        Ok(begins.then_some(0))
+        Ok(begins)
     }
 
     /// Records an event at the time of the last row.
@@ -131,12 +129,8 @@ impl Recording {
     }
 
     /// Closes the file. Returns the result in words, and whether nothing is missing. `reason`: why the device can no longer be used.
-    pub(super) fn finish(
-        self,
-        timeline: &Timeline,
-        (interruptions, strangers): (u64, u64),
-        reason: Option<String>,
-    ) -> (String, bool) {
+    pub(super) fn finish(self, listener: &Listener, reason: Option<String>) -> (String, bool) {
+        let timeline = &listener.timeline;
         let Some(mut open) = self.open else {
             return ("ended before a sample had arrived, so that there is no file".into(), false);
         };
@@ -167,8 +161,8 @@ impl Recording {
             end: SourceEnd::Finished,
             duration_s,
             counts,
-            interruptions: interruptions - self.interruptions,
-            strangers,
+            interruptions: listener.interruptions - self.interruptions,
+            strangers: listener.strangers(),
             clock: timeline.clock_map(),
             arrival_spread_s: timeline.arrival_spread_s(),
             counted_by: timeline.counted_by(),

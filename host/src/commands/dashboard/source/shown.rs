@@ -2,24 +2,13 @@
 
 use socam_workbench::queue::{Batch, Gap, SampleQueue};
 
+use crate::device::source::Row;
+
 /// Shortest pause that is shown as a gap where nothing is known to be missing, ns, and as a multiple of the usual step.
 const PAUSE_NS: i64 = 200_000_000;
 const PAUSE_STEPS: f64 = 10.0;
 /// Weight of a step in the usual one.
 const WEIGHT: f64 = 0.05;
-
-/// A row with its time and number.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Row {
-    /// Time since the first row, ns.
-    pub(super) time_ns: i64,
-    pub(super) sequence: u64,
-    /// Time of arrival since the link was opened, ns.
-    pub(super) arrival_ns: i64,
-    /// Whether the device's clock jumped before it.
-    pub(super) is_new_clock: bool,
-    pub(super) values: Vec<f64>,
-}
 
 /// The rows that were shown.
 pub(super) struct Shown {
@@ -115,7 +104,7 @@ mod tests {
 
     fn row(time_ms: i64, sequence: u64) -> Row {
         let (time_ns, arrival_ns) = (1_000_000 * time_ms, 1_000_000 * (time_ms + 500));
-        Row { time_ns, sequence, arrival_ns, is_new_clock: false, values: vec![1.0] }
+        Row { time_ns, sequence, arrival_ns, has_clock: true, is_new_clock: false, values: vec![1.0] }
     }
 
     #[test]

@@ -40,7 +40,7 @@ fn a_link_that_nobody_answers_is_given_up_at_once() {
     window.get_by_label("asking the device who it is, or listening to it");
     click(&mut window, "Cancel");
     window.get_by_label("Connect");
-    window.get_by_label("no device");
+    window.get_by_label("no board");
     // Later events of the cancelled connection do not disturb the next link.
     click(&mut window, "Connect");
     until(&mut window, "a sentence", |window| window.query_by_label_contains("says nothing").is_some());
@@ -104,7 +104,7 @@ fn a_board_that_vanishes_in_mid_run_is_said_in_place_and_what_was_recorded_is_ke
         window.state().workspace.bench
     );
     window.get_by_label("Connect");
-    window.get_by_label("no device");
+    window.get_by_label("no board");
     click(&mut window, "Look at the recording");
     until(&mut window, "the recording", |window| !window.state().is_busy());
     window.run_steps(2);

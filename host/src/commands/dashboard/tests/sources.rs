@@ -156,6 +156,9 @@ fn a_device_of_text_is_recorded_by_a_press_and_goes_on_when_it_comes_back() {
     }
 }
 
+/// A unit in a description that is to be completed.
+const UNKNOWN: &str = "unit = \"?\"";
+
 /// What a device does not state is drawn as it comes and not recorded, until its description is complete.
 #[test]
 fn plain_numbers_are_drawn_and_their_description_is_written_completed_and_used() {
@@ -186,7 +189,8 @@ fn plain_numbers_are_drawn_and_their_description_is_written_completed_and_used()
     let file = folder.path().join("device-1.toml");
     until(&mut window, "the file", |_| file.exists());
     let text = std::fs::read_to_string(&file).unwrap();
-    std::fs::write(&file, text.replacen("\"?\"", "\"rad\"", 1).replacen("\"?\"", "\"N m\"", 1)).unwrap();
+    std::fs::write(&file, text.replacen(UNKNOWN, "unit = \"rad\"", 1).replacen(UNKNOWN, "unit = \"N m\"", 1))
+        .unwrap();
     click(&mut window, "Disconnect");
     until(&mut window, "an end", |window| !window.state().workspace.bench.is_linked());
     click(&mut window, "Connect");
@@ -290,9 +294,9 @@ fn an_alarm_of_a_watched_device_leads_to_a_diagnosis_from_any_view() {
         format!("{},{}\n", 2000 * k, values.collect::<Vec<_>>().join(","))
     });
     let mut window = window(&device, folder.path(), 500.0);
+    click(&mut window, "Connect");
     window.state_mut().open([healthy]);
     window.state_mut().watch();
-    click(&mut window, "Connect");
     shows(&mut window, 10);
     click(&mut window, "Live");
     click(&mut window, "Record");
