@@ -57,6 +57,7 @@ mod mcp;
 mod readers;
 mod record;
 #[cfg(unix)]
+mod several;
 mod sources;
 mod watch;
 

@@ -12,6 +12,7 @@ use egui::{RawInput, Rect, pos2, vec2};
 use socam_chart::raster::Raster;
 use socam_dashboard::{Dashboard, Layout, View, wake};
 use socam_recording::{Channel, Unit};
+use socam_workbench::device::Peer;
 use socam_workbench::link::{Bench, News, link};
 use socam_workbench::queue::Batch;
 
@@ -36,7 +37,7 @@ fn batch(first: usize, count: usize, noise: &mut u64) -> Batch {
             values.push(if draw() > 0.4999 { f64::NAN } else { value });
         }
     }
-    Batch { time_s, step_s: 1.0 / RATE_HZ, after_setup: false, values }
+    Batch { time_s, step_s: 1.0 / RATE_HZ, after_setup: false, gaps: None, values }
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -55,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bench = ends.lock().expect("one thread").take().ok_or("the link was not made")?;
     let channels = (0..CHANNELS).map(|n| Channel::new(format!("channel_{n}"), Unit::V)).collect();
     let limits = vec![Some(2.0); CHANNELS];
-    bench.news.send(News::Connected { board: "a board".into(), channels, limits })?;
+    bench.news.send(News::Connected { peer: Peer::Board, board: "a board".into(), channels, limits })?;
 
     let mut noise = 1;
     let mut row = 0;

@@ -17,7 +17,7 @@ use socam_workbench::entry::Entry;
 use socam_workbench::job::Job;
 use socam_workbench::purpose::Purpose;
 use socam_workbench::recording::Recording;
-use socam_workbench::{Content, Request, Simulate, View, Workspace};
+use socam_workbench::{Content, Departure, Request, Simulate, View, Workspace};
 
 use crate::help;
 use crate::layout::Layout;
@@ -31,11 +31,13 @@ struct Notice {
     grave: bool,
     /// When it was first drawn, s of the window's clock.
     shown_s: Option<f64>,
+    /// What a diagnosis is offered for.
+    departure: Option<Departure>,
 }
 
 impl Notice {
     fn new(text: impl Into<String>, grave: bool) -> Self {
-        Self { text: text.into(), grave, shown_s: None }
+        Self { text: text.into(), grave, shown_s: None, departure: None }
     }
 }
 
@@ -84,6 +86,7 @@ impl Dashboard {
         let mut workspace = Workspace::new(model);
         workspace.has_bench = platform::HAS_BENCH;
         workspace.device.clone_from(&layout.device);
+        workspace.stated.clone_from(&layout.stated);
         Self {
             layout,
             workspace,
@@ -196,6 +199,25 @@ impl Dashboard {
         }
     }
 
+    /// Shows an alarm in every view; of several the last one alone.
+    fn alarm(&mut self, departure: Departure, text: String) {
+        self.notices.retain(|notice| notice.departure.is_none());
+        self.notices.push(Notice { departure: Some(departure), ..Notice::new(text, true) });
+    }
+
+    /// Opens what was recorded since a departure, and shows the set-up of a diagnosis.
+    fn diagnose_since(&mut self, departure: Departure) {
+        match self.workspace.bench.recorded_since(departure.link, departure.onset_s) {
+            Some(run) => {
+                self.workspace.request(Request::Open(run));
+                self.workspace.request(Request::Show(View::Diagnosis));
+            }
+            None => self.warn(
+                "a diagnosis needs a second of recording since the change at least: record the device, and ask again",
+            ),
+        }
+    }
+
     /// The title of the window: the states of the bench and of the watch are seen in the list of windows, too.
     #[must_use]
     pub fn title(&self) -> String {
@@ -244,6 +266,10 @@ impl Dashboard {
         if let Some(command) = self.help.is_open.then(|| self.help.ui(&ctx)).flatten() {
             self.run(&ctx, command);
         }
+        if self.workspace.bench.is_connected() {
+            self.layout.device.clone_from(&self.workspace.device);
+            self.layout.stated.clone_from(&self.workspace.stated);
+        }
         self.layout.panels = crate::layout::panels(&ctx);
         self.layout.plots = self.views.time.arrangement();
         self.export(&ctx);
@@ -272,6 +298,8 @@ impl Dashboard {
                 Request::Signal(profile) => self.show(Document::Signal(*profile)),
                 Request::Model(model) => self.show(Document::Model(model)),
                 Request::Alarm(text) => self.workspace.bench.mark_alarm(text),
+                Request::Alarmed(departure, text) => self.alarm(departure, text),
+                Request::Diagnose(departure) => self.diagnose_since(departure),
                 Request::Say(text) => self.say(text),
                 Request::Warn(text) => self.warn(text),
             }
@@ -284,7 +312,7 @@ impl Dashboard {
             let on_button = || input.pointer.interact_pos().is_some_and(|at| self.stop_button.contains(at));
             input.key_pressed(Key::Escape) || (input.pointer.primary_pressed() && on_button())
         };
-        if self.workspace.bench.is_connected() && ctx.input(stop) {
+        if self.workspace.bench.is_commanded() && ctx.input(stop) {
             self.workspace.bench.emergency_stop();
         }
         if ctx.input(|input| input.key_pressed(Key::Escape)) {

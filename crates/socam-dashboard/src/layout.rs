@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use socam_chart::theme::Look;
 use socam_workbench::View;
 use socam_workbench::arrangement::Arrangement;
+use socam_workbench::device::Stated;
 
 /// Settings that are kept from one start to the next.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,6 +27,8 @@ pub struct Layout {
     pub folder: PathBuf,
     /// The device that was last connected to.
     pub device: String,
+    /// What was said of it.
+    pub stated: Stated,
     /// Size of the window, points at zoom 1.
     pub window: [f32; 2],
     /// Widths of the panels at the left, points, by name.
@@ -59,6 +62,7 @@ impl Default for Layout {
             zoom: 1.0,
             folder: PathBuf::from("."),
             device: "sim".into(),
+            stated: Stated::default(),
             window: [1280.0, 800.0],
             panels: BTreeMap::new(),
             recent: Vec::new(),

@@ -16,11 +16,11 @@ const MOST_WAITING: usize = 4096;
 
 /// A kind of frames.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Kind {
+pub struct Kind {
     /// Usual time between its frames, s.
-    pub(crate) step_s: f64,
+    pub step_s: f64,
     /// Number of its values.
-    pub(crate) width: usize,
+    pub width: usize,
 }
 
 /// A frame of a kind that is not the fastest.
@@ -28,7 +28,7 @@ type Sample = (f64, Vec<f64>);
 
 /// Puts frames of kinds together; the first kind gives the rows.
 #[derive(Debug)]
-pub(crate) struct Aligner {
+pub struct Aligner {
     kinds: Vec<Kind>,
     last: Vec<Option<Sample>>,
     waiting: VecDeque<Waiting>,
@@ -46,7 +46,9 @@ struct Waiting {
 }
 
 impl Aligner {
-    pub(crate) fn new(kinds: Vec<Kind>) -> Self {
+    /// Puts together frames of these kinds, the fastest one first.
+    #[must_use]
+    pub fn new(kinds: Vec<Kind>) -> Self {
         let count = kinds.len();
         Self { kinds, last: vec![None; count], waiting: VecDeque::new(), early: vec![None; count] }
     }
@@ -56,7 +58,7 @@ impl Aligner {
     }
 
     /// Takes a frame of a kind, and hands on the rows that are complete: time, s, values of all kinds, and the mark of their frame.
-    pub(crate) fn push(
+    pub fn push(
         &mut self,
         kind: usize,
         time_s: f64,

@@ -23,7 +23,6 @@
 /// Kelvins at 0 degrees Celsius, in which drives state their temperatures.
 const ZERO_CELSIUS_K: f64 = 273.15;
 
-#[cfg(any(feature = "can", feature = "foxglove"))]
 mod aligner;
 mod asking;
 #[cfg(feature = "can")]
@@ -44,6 +43,7 @@ pub mod simulators;
 pub mod text;
 mod timeline;
 
+pub use aligner::{Aligner, Kind};
 pub use commanded::Commanded;
 pub use description::{ClockColumn, Description, SCHEMA};
 pub use device::{Chunk, Device, Heard, Numbering, Row};

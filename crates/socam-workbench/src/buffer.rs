@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use socam_recording::Channel;
 
-use crate::queue::Batch;
+use crate::queue::{Batch, Gap};
 
 /// Length of the buffer, s.
 const KEPT_S: f64 = 61.0;
@@ -14,7 +14,7 @@ const KEPT_S: f64 = 61.0;
 pub struct Hole {
     /// Time of the last sample before it and of the first one after it, s.
     pub span: [f64; 2],
-    /// Number of samples that did not arrive; 0 where the board was being set up.
+    /// Number of samples that did not arrive; 0 where the board was being set up, and where that is not known.
     pub missed: u64,
 }
 
@@ -101,15 +101,9 @@ impl Buffer {
         if *first <= self.end_s() && !self.time_s.is_empty() {
             *self = Self { step_s: batch.step_s, ..Self::new(std::mem::take(&mut self.channels)) };
         }
-        let mut step_s = step_s;
-        for (row, time) in batch.time_s.iter().enumerate() {
-            if let Some(last) = self.time_s.last()
-                && time - last > 1.5 * step_s
-            {
-                self.mark([*last, *time], batch.after_setup && row == 0);
-            }
-            step_s = batch.step_s;
-            self.time_s.push(*time);
+        match &batch.gaps {
+            None => self.take_times(batch, step_s),
+            Some(gaps) => self.take_counted(&batch.time_s, gaps),
         }
         for row in batch.values.chunks_exact(width) {
             for (column, value) in self.columns.iter_mut().zip(row) {
@@ -119,9 +113,35 @@ impl Buffer {
         self.forget_old();
     }
 
-    fn mark(&mut self, span: [f64; 2], is_setup: bool) {
-        let steps = ((span[1] - span[0]) / self.step_s).round() as u64;
-        let missed = if is_setup { 0 } else { steps.saturating_sub(1) };
+    /// Appends times; a step of more than one and a half periods is a gap. `step_s`: the period before the first one.
+    fn take_times(&mut self, batch: &Batch, mut step_s: f64) {
+        for (row, time) in batch.time_s.iter().enumerate() {
+            if let Some(last) = self.time_s.last()
+                && time - last > 1.5 * step_s
+            {
+                let steps = ((time - last) / self.step_s).round() as u64;
+                let is_setup = batch.after_setup && row == 0;
+                self.mark([*last, *time], if is_setup { 0 } else { steps.saturating_sub(1) });
+            }
+            step_s = batch.step_s;
+            self.time_s.push(*time);
+        }
+    }
+
+    /// Appends times of a source that counts its rows itself.
+    fn take_counted(&mut self, time_s: &[f64], gaps: &[Gap]) {
+        let mut gaps = gaps.iter().peekable();
+        for (row, time) in time_s.iter().enumerate() {
+            if let Some(gap) = gaps.next_if(|gap| gap.row == row)
+                && let Some(last) = self.time_s.last()
+            {
+                self.mark([*last, *time], gap.missed);
+            }
+            self.time_s.push(*time);
+        }
+    }
+
+    fn mark(&mut self, span: [f64; 2], missed: u64) {
         self.missed += missed;
         self.losses += u64::from(missed > 0);
         self.holes.push(Hole { span, missed });
@@ -214,7 +234,7 @@ mod tests {
     fn batch(ticks: std::ops::Range<usize>) -> Batch {
         let time_s: Vec<f64> = ticks.map(|tick| tick as f64 * 1e-3).collect();
         let values = time_s.iter().flat_map(|time| [*time, f64::NAN]).collect();
-        Batch { time_s, values, step_s: 1e-3, after_setup: false }
+        Batch { time_s, values, step_s: 1e-3, after_setup: false, gaps: None }
     }
 
     fn buffer() -> Buffer {
@@ -256,11 +276,12 @@ mod tests {
             values: values.clone(),
             step_s: 1e-4,
             after_setup: true,
+            gaps: None,
         });
         assert_eq!((buffer.rows(), buffer.missed()), (2000, [0, 0]));
         assert_eq!(buffer.holes(), [Hole { span: [0.999, 1.2], missed: 0 }]);
         let time_s = time_s.iter().map(|time| time + 0.101).collect();
-        buffer.take(&Batch { time_s, values, step_s: 1e-4, after_setup: false });
+        buffer.take(&Batch { time_s, values, step_s: 1e-4, after_setup: false, gaps: None });
         assert_eq!(buffer.missed(), [10, 1]);
         assert_eq!(parts(&buffer, 0, 4000).len(), 3);
     }

@@ -2,7 +2,7 @@
 //!
 //! A thread of its own talks to the board, at the other end of a [`Port`].
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -10,6 +10,7 @@ use socam_core::State;
 
 use crate::about::Happening;
 use crate::buffer::Buffer;
+use crate::device::{Peer, Source, SourceState, Wanted};
 use crate::job::Wake;
 use crate::link::{Connector, Health, News, Order, Plan, Port};
 use crate::queue::Batch;
@@ -23,8 +24,10 @@ pub enum Link {
     Closed,
     /// The device was asked.
     Opening,
-    /// The board has answered.
+    /// The device has answered.
     Open {
+        /// What it is.
+        peer: Peer,
         /// Board, firmware and such, in words.
         board: String,
     },
@@ -35,8 +38,11 @@ pub enum Link {
 pub struct Connection {
     connector: Option<Connector>,
     port: Option<Port>,
+    /// Counts the links that were opened.
+    number: u64,
     link: Link,
     health: Option<Health>,
+    source: Option<SourceState>,
     buffer: Buffer,
     /// Samples that have arrived with the last news.
     fresh: Vec<Arc<Batch>>,
@@ -72,10 +78,31 @@ impl Connection {
         self.port.is_some()
     }
 
-    /// Whether a board is connected.
+    /// Whether a device is connected.
     #[must_use]
     pub fn is_connected(&self) -> bool {
         matches!(self.link, Link::Open { .. })
+    }
+
+    /// Whether a device is connected that can be commanded from here.
+    #[must_use]
+    pub fn is_commanded(&self) -> bool {
+        matches!(self.link, Link::Open { peer: Peer::Board, .. })
+    }
+
+    /// The device, if one is connected that is listened to or asked.
+    #[must_use]
+    pub fn source(&self) -> Option<&Source> {
+        match &self.link {
+            Link::Open { peer: Peer::Source(source), .. } => Some(source),
+            _ => None,
+        }
+    }
+
+    /// The state of the device, if one is connected that is listened to or asked, once it is known.
+    #[must_use]
+    pub fn source_state(&self) -> Option<&SourceState> {
+        self.source.as_ref()
     }
 
     /// The state of the board and its recorder, if one is connected.
@@ -96,11 +123,33 @@ impl Connection {
         match (&self.link, &self.health) {
             (Link::Closed, _) => "no board".into(),
             (Link::Opening, _) => "connecting".into(),
+            (Link::Open { peer: Peer::Source(source), .. }, _) => {
+                let is_away = self.source.as_ref().is_some_and(|state| state.away.is_some());
+                let doing = match (is_away, source.is_asked) {
+                    (true, _) => "no samples",
+                    (false, true) => "asking",
+                    (false, false) => "listening",
+                };
+                format!("{doing}{}", if self.is_recording() { ", recording" } else { "" })
+            }
             (Link::Open { .. }, None) => "connected".into(),
             (Link::Open { .. }, Some(health)) => {
                 format!("{}{}", health.state, if self.is_recording() { ", recording" } else { "" })
             }
         }
+    }
+
+    /// Number of the link: another one after each time that a device was connected to.
+    #[must_use]
+    pub fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// The part of the last recording of this link from a time on, s since the link was opened, as far as it is in its file by now.
+    #[must_use]
+    pub fn recorded_since(&self, number: u64, from_s: f64) -> Option<String> {
+        let run = self.run.as_ref().filter(|_| number == self.number)?;
+        run.since(from_s)
     }
 
     /// The last minute of samples.
@@ -155,9 +204,9 @@ impl Connection {
     }
 
     /// Opens the link to a device.
-    pub fn connect(&mut self, device: &str, wake: Wake) {
+    pub fn connect(&mut self, device: Wanted, wake: Wake) {
         let Some(connector) = &self.connector else {
-            self.problem = Some("a board can be reached from the desktop program only".into());
+            self.problem = Some("a device can be reached from the desktop program only".into());
             return;
         };
         self.problem = None;
@@ -166,7 +215,9 @@ impl Connection {
         self.events.clear();
         self.port = Some(connector(wake));
         self.link = Link::Opening;
-        self.order(Order::Connect(device.trim().to_owned()));
+        self.source = None;
+        self.number += 1;
+        self.order(Order::Connect(Box::new(device)));
     }
 
     /// Closes the link. A link that is still being opened is abandoned: its thread finds the channel closed and ends.
@@ -183,6 +234,17 @@ impl Connection {
         self.run = None;
         self.problem = None;
         self.order(Order::Arm(Box::new(plan)));
+    }
+
+    /// Records a source until [`Self::end_recording`].
+    pub fn record(&mut self, path: PathBuf, note: String) {
+        self.problem = None;
+        self.order(Order::Record { path, note });
+    }
+
+    /// Ends the recording of a source.
+    pub fn end_recording(&mut self) {
+        self.order(Order::EndRecording);
     }
 
     /// Starts what is armed, and its recording.
@@ -248,14 +310,15 @@ impl Connection {
         let mut ended = None;
         for one in news {
             match one {
-                News::Connected { board, channels, limits } => {
+                News::Connected { peer, board, channels, limits } => {
                     if self.buffer.channels() != channels {
                         self.buffer = Buffer::new(channels);
                     }
                     self.limits = limits;
-                    self.link = Link::Open { board };
+                    self.link = Link::Open { peer, board };
                 }
                 News::Status(health) => self.health = Some(health),
+                News::Source(state) => self.source = Some(state),
                 News::Began { path, planned_s } => self.run = Some(Run::new(path, planned_s)),
                 News::Ended { path, text, well } => ended = Some((path, text, well)),
                 News::Event(event) => self.take_event(event),
@@ -274,7 +337,7 @@ impl Connection {
             self.run.get_or_insert_with(|| Run::new(path, 0.0)).end = Some((text, well));
         }
         if is_closed {
-            (self.link, self.health, self.port) = (Link::Closed, None, None);
+            (self.link, self.health, self.source, self.port) = (Link::Closed, None, None, None);
         }
     }
 

@@ -113,28 +113,38 @@ impl Settings {
     }
 }
 
-/// The amplitude of a profile, and the greatest one that its limit leaves beside its offset; `None` of a shape without an amplitude.
+/// The amplitude of a profile, of steps their largest level, and the greatest one that its limit leaves beside its offset.
 #[must_use]
-pub fn amplitude(file: &ProfileFile) -> Option<(f64, f64)> {
+pub fn amplitude(file: &ProfileFile) -> (f64, f64) {
     match file.waveform {
         Waveform::Sine { offset, amplitude, .. }
         | Waveform::Triangle { offset, amplitude, .. }
         | Waveform::Chirp { offset, amplitude, .. }
         | Waveform::Prbs { offset, amplitude, .. }
-        | Waveform::Multisine { offset, amplitude, .. } => Some((amplitude, file.limit - offset.abs())),
-        Waveform::Constant { .. } | Waveform::Staircase { .. } => None,
+        | Waveform::Multisine { offset, amplitude, .. } => (amplitude, file.limit - offset.abs()),
+        Waveform::Constant { level } => (level.abs(), file.limit),
+        Waveform::Staircase { first, step, count, .. } => {
+            let last = first + step * f64::from(count.saturating_sub(1));
+            (first.abs().max(last.abs()), file.limit)
+        }
     }
 }
 
-/// Sets the amplitude of a profile that has one.
+/// Sets the amplitude of a profile; that of steps scales all of them.
 pub fn set_amplitude(file: &mut ProfileFile, value: f64) {
+    let (before, _) = amplitude(file);
     match &mut file.waveform {
         Waveform::Sine { amplitude, .. }
         | Waveform::Triangle { amplitude, .. }
         | Waveform::Chirp { amplitude, .. }
         | Waveform::Prbs { amplitude, .. }
         | Waveform::Multisine { amplitude, .. } => *amplitude = value,
-        Waveform::Constant { .. } | Waveform::Staircase { .. } => {}
+        Waveform::Constant { level } => *level = value.copysign(*level),
+        Waveform::Staircase { first, step, .. } if before > 0.0 => {
+            (*first, *step) = (*first * value / before, *step * value / before);
+        }
+        // Steps between zeros have no form to scale.
+        Waveform::Staircase { .. } => {}
     }
 }
 
@@ -288,14 +298,22 @@ mod tests {
         let mut signal = Signal::default();
         signal.take_built_in("multisine").unwrap();
         let SignalShape::Other(_, mut file) = signal.settings.kind.clone() else { panic!() };
-        let (before, most) = amplitude(&file).unwrap();
+        let (before, most) = amplitude(&file);
         assert!(0.0 < before && before <= most, "{before} {most}");
         set_amplitude(&mut file, 0.5 * before);
         file.duration_s = 40.0;
         let line = preview(&file, 100).unwrap();
         let largest = |line: &[[f64; 2]]| line.iter().map(|point| point[1].abs()).fold(0.0, f64::max);
         assert!(line.last().unwrap()[0] > 39.0 && largest(&line) <= file.limit, "{line:?}");
-        assert_eq!(amplitude(&file).unwrap().0, 0.5 * before);
+        assert_eq!(amplitude(&file).0, 0.5 * before);
+        signal.take_built_in("steps").unwrap();
+        let SignalShape::Other(_, mut steps) = signal.settings.kind.clone() else { panic!() };
+        let (before, most) = amplitude(&steps);
+        assert!((before - 1.7).abs() < 1e-12 && most == 1.8, "{before} {most}");
+        set_amplitude(&mut steps, 0.5 * before);
+        assert!((amplitude(&steps).0 - 0.85).abs() < 1e-12);
+        let line = preview(&steps, 100).unwrap();
+        assert!((largest(&line) - 0.85).abs() < 0.01, "{}", largest(&line));
     }
 
     #[test]

@@ -12,6 +12,7 @@ pub mod computed;
 pub mod connection;
 pub mod derivation;
 pub mod derivations;
+pub mod device;
 pub mod display_units;
 pub mod document;
 pub mod element;
@@ -41,4 +42,4 @@ pub mod workspace;
 
 pub use job::Wake;
 pub use view::View;
-pub use workspace::{Content, Feed, Request, Simulate, Workspace};
+pub use workspace::{Content, Departure, Feed, Request, Simulate, Workspace};

@@ -1,4 +1,4 @@
-//! Messages between the window and the thread that talks to the board.
+//! Messages between the window and the thread that talks to the board, or listens to another device.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,20 +9,30 @@ use socam_core::State;
 use socam_recording::{Channel, ProfileFile};
 
 use crate::about::Happening;
+use crate::device::{Peer, SourceState, Wanted};
 use crate::job::Wake;
 use crate::queue::SampleQueue;
 
 /// An order of the window to the thread that talks to the board.
 #[derive(Debug, Clone)]
 pub enum Order {
-    /// Open the link to a device: `sim`, `serial`, `serial:PATH` or `tcp:HOST:PORT`.
-    Connect(String),
+    /// Open the link to a device.
+    Connect(Box<Wanted>),
     /// Close it.
     Disconnect,
     /// Load an input signal and watch all limits.
     Arm(Box<Plan>),
     /// Start, and record.
     Run,
+    /// Record a source, until [`Order::EndRecording`].
+    Record {
+        /// File of the recording.
+        path: PathBuf,
+        /// Note for the recording.
+        note: String,
+    },
+    /// End the recording of a source.
+    EndRecording,
     /// Write a note into the recording.
     Note(String),
     /// Write an alarm of a watch into the recording.
@@ -51,20 +61,24 @@ pub struct Plan {
 pub enum News {
     /// The link is open.
     Connected {
+        /// What it is.
+        peer: Peer,
         /// Board, firmware and such, in words.
         board: String,
-        /// Channels, the command first.
+        /// Channels, the command of a board first.
         channels: Vec<Channel>,
         /// Largest magnitude of each channel that the board allows, in the channel's unit.
         limits: Vec<Option<f64>>,
     },
     /// State of the board.
     Status(Health),
+    /// State of a source.
+    Source(SourceState),
     /// A recording has begun.
     Began {
         /// The file.
         path: PathBuf,
-        /// Planned duration, s.
+        /// Planned duration, s; 0 if it lasts until it is ended.
         planned_s: f64,
     },
     /// The run has ended, and its file is closed.

@@ -26,15 +26,21 @@ impl Default for NextRun {
 }
 
 impl NextRun {
+    /// The file of the next recording, which does not exist yet.
+    #[must_use]
+    pub fn path(&self) -> PathBuf {
+        let name = self.name.trim();
+        free_path(&self.folder, if name.is_empty() { "run" } else { name })
+    }
+
     /// The plan of the run with this input signal. Its file does not exist yet.
     #[must_use]
     pub fn plan(&self, signal: &Settings) -> Plan {
-        let name = self.name.trim();
         Plan {
             signal: signal.file(),
             name: signal.name(),
             rate_hz: self.rate_hz,
-            path: free_path(&self.folder, if name.is_empty() { "run" } else { name }),
+            path: self.path(),
             note: self.note.trim().to_owned(),
         }
     }

@@ -12,8 +12,41 @@ pub struct Batch {
     pub step_s: f64,
     /// Whether the board was set up before the first row: a gap before it is no loss.
     pub after_setup: bool,
+    /// Where samples are missing, if the source counts them itself; `None`: a larger step of time than the period is a gap.
+    pub gaps: Option<Vec<Gap>>,
     /// Row by row; NaN where there is no reading.
     pub values: Vec<f64>,
+}
+
+/// A gap in the samples, as the source counts it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Gap {
+    /// The row after it.
+    pub row: usize,
+    /// Number of rows that are missing; 0 where that is not known.
+    pub missed: u64,
+}
+
+impl Batch {
+    /// Appends the rows of a batch of the same source.
+    fn join(&mut self, more: Batch) {
+        let rows = self.time_s.len();
+        if let (Some(own), Some(gaps)) = (&mut self.gaps, more.gaps) {
+            own.extend(gaps.iter().map(|gap| Gap { row: rows + gap.row, ..*gap }));
+        }
+        self.time_s.extend(more.time_s);
+        self.values.extend(more.values);
+    }
+
+    /// Counts the rows of a batch that was dropped before this one.
+    fn comes_after_dropped(&mut self, dropped: &Batch) {
+        let (Some(own), Some(gaps)) = (&mut self.gaps, &dropped.gaps) else { return };
+        let missed = dropped.time_s.len() as u64 + gaps.iter().map(|gap| gap.missed).sum::<u64>();
+        match own.first_mut() {
+            Some(first) if first.row == 0 => first.missed += missed,
+            _ => own.insert(0, Gap { row: 0, missed }),
+        }
+    }
 }
 
 /// The queue between the board's thread and the window: neither waits for the other.
@@ -59,16 +92,19 @@ impl SampleQueue {
             Some(last)
                 if !batch.after_setup
                     && last.step_s == batch.step_s
+                    && last.gaps.is_some() == batch.gaps.is_some()
                     && last.values.len() + batch.values.len() <= JOINED_VALUES =>
             {
-                last.time_s.extend(batch.time_s);
-                last.values.extend(batch.values);
+                last.join(batch);
             }
             _ => waiting.batches.push_back(batch),
         }
         while waiting.values > self.most_values {
             let Some(dropped) = waiting.batches.pop_front() else { break };
             waiting.values -= dropped.values.len();
+            if let Some(next) = waiting.batches.front_mut() {
+                next.comes_after_dropped(&dropped);
+            }
         }
     }
 
@@ -93,7 +129,7 @@ mod tests {
 
     fn batch(ticks: std::ops::Range<u32>, step_s: f64, after_setup: bool) -> Batch {
         let time_s: Vec<f64> = ticks.map(|tick| f64::from(tick) * step_s).collect();
-        Batch { values: time_s.clone(), time_s, step_s, after_setup }
+        Batch { values: time_s.clone(), time_s, step_s, after_setup, gaps: None }
     }
 
     #[test]
@@ -108,6 +144,28 @@ mod tests {
         assert!(times[..20_000].is_sorted());
         assert_eq!(taken.len(), 5, "other rates and set-ups begin a batch");
         assert!(taken[4].after_setup && queue.take().is_empty());
+    }
+
+    #[test]
+    fn gaps_that_a_source_counts_are_kept_when_batches_are_joined_or_dropped() {
+        let queue = SampleQueue::holding(20_000);
+        let mut buffer = Buffer::new(vec![Channel::new("a", Unit::V)]);
+        let counted = |ticks, gap: Option<Gap>| Batch {
+            gaps: Some(gap.into_iter().collect()),
+            step_s: 0.0,
+            ..batch(ticks, 1e-3, false)
+        };
+        queue.push(counted(0..10, None));
+        // An uneven step is no gap where the source counts its rows.
+        queue.push(counted(13..20, None));
+        queue.push(counted(30..40, Some(Gap { row: 4, missed: 2 })));
+        queue.take().iter().for_each(|batch| buffer.take(batch));
+        assert_eq!((buffer.missed(), buffer.holes().len()), ([2, 1], 1));
+        assert_eq!(buffer.holes()[0].span, [0.033, 0.034]);
+        (4..10_000).for_each(|n| queue.push(counted(10 * n..10 * (n + 1), None)));
+        queue.take().iter().for_each(|batch| buffer.take(batch));
+        assert_eq!(buffer.missed()[1], 2);
+        assert_eq!(buffer.missed()[0] + (buffer.rows() as u64), 27 + 2 + 99_960);
     }
 
     #[test]

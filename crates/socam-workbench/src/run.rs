@@ -4,6 +4,11 @@ use std::path::PathBuf;
 
 use crate::buffer::Buffer;
 
+/// Time of samples, s, that may not be in the file of a run that goes on.
+const UNWRITTEN_S: f64 = 1.5;
+/// Shortest part of a recording that a diagnosis is offered for, s.
+const SHORTEST_S: f64 = 1.0;
+
 /// A run and its recording.
 #[derive(Debug, Clone, Default)]
 pub struct Run {
@@ -46,6 +51,15 @@ impl Run {
         self.began_s.map_or(0.0, |began_s| self.until_s - began_s)
     }
 
+    /// The part of its file from a time on, s since the link was opened: `RUN@FROM..TO`, as far as it is in the file by now. `None` if that
+    /// is shorter than a second.
+    #[must_use]
+    pub fn since(&self, from_s: f64) -> Option<String> {
+        let from_s = (from_s - self.began_s?).max(0.0);
+        let to_s = self.elapsed_s() - if self.is_recorded() { UNWRITTEN_S } else { 0.0 };
+        (to_s - from_s >= SHORTEST_S).then(|| format!("{}@{from_s:.2}..{to_s:.2}", self.path.display()))
+    }
+
     /// Follows the samples that have arrived, until the run ends.
     pub fn follow(&mut self, buffer: &Buffer) {
         if self.began_s.is_none() || !self.is_recorded() || buffer.end_s() <= self.until_s {
@@ -82,6 +96,7 @@ mod tests {
             time_s: (from..from + 500).map(|tick| f64::from(tick) * 1e-3).collect(),
             step_s: 1e-3,
             after_setup: false,
+            gaps: None,
             values: vec![value; 500],
         };
         buffer.take(&batch(0, 9.0));
@@ -94,7 +109,9 @@ mod tests {
         run.follow(&buffer);
         assert_eq!(run.extremes(0), Some([-1.0, 3.0]));
         assert!((run.elapsed_s() - 0.999).abs() < 1e-9, "{}", run.elapsed_s());
+        assert_eq!(run.since(0.8), None, "what is not in the file yet is not offered");
         run.end = Some((String::new(), true));
+        assert_eq!([run.since(0.2), run.since(0.45)].map(Option::unwrap_or_default), ["", ""]);
         buffer.take(&batch(1500, 7.0));
         run.follow(&buffer);
         assert_eq!(run.extremes(0), Some([-1.0, 3.0]));

@@ -7,6 +7,7 @@ use socam_model::Model;
 use socam_recording::{Channel, ProfileFile};
 
 use crate::connection::Connection;
+use crate::device::{Stated, Wanted};
 use crate::entry::Entry;
 use crate::input_signal::Signal;
 use crate::job::Wake;
@@ -65,10 +66,23 @@ pub enum Request {
     Model(Box<Model>),
     /// Mark an alarm in the recording that is being made, if one is.
     Alarm(String),
+    /// Tell in every view that the bench has departed from its model, with a way to a diagnosis.
+    Alarmed(Departure, String),
+    /// Open what was recorded since a departure for a diagnosis.
+    Diagnose(Departure),
     /// Show a remark.
     Say(String),
     /// Show an error.
     Warn(String),
+}
+
+/// When the device of the live view departed from its model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Departure {
+    /// Number of the link, as [`Connection::number`] gives it.
+    pub link: u64,
+    /// Time since the link was opened, s.
+    pub onset_s: f64,
 }
 
 /// Samples of the running bench that have arrived since the last pass.
@@ -95,8 +109,10 @@ pub struct Workspace {
     requests: Vec<Request>,
     /// Whether a bench can be reached from here: not from a page in a browser.
     pub has_bench: bool,
-    /// The device that is connected to next: `sim`, `serial`, `serial:PATH` or `tcp:HOST:PORT`.
+    /// The address of the device that is connected to next, as in [`crate::device::FORMS`].
     pub device: String,
+    /// What is said of it beside its address.
+    pub stated: Stated,
     /// The connection to the bench.
     pub bench: Connection,
     /// Samples of the running bench.
@@ -130,6 +146,7 @@ impl Workspace {
             requests: Vec::new(),
             has_bench: false,
             device: "sim".into(),
+            stated: Stated::default(),
             bench: Connection::default(),
             feed: Feed::default(),
             signal: Signal::default(),
@@ -190,7 +207,14 @@ impl Workspace {
 
     /// Opens the link to the device.
     pub fn connect(&mut self, wake: Wake) {
-        self.bench.connect(&self.device, wake);
+        let address = self.device.trim().to_owned();
+        let wanted = Wanted { address, stated: self.stated.clone(), rate_hz: self.next_run.rate_hz };
+        self.bench.connect(wanted, wake);
+    }
+
+    /// Records the source that is connected.
+    pub fn record(&mut self) {
+        self.bench.record(self.next_run.path(), self.next_run.note.trim().to_owned());
     }
 
     /// Loads the input signal; the board then monitors all limits, and nothing moves.

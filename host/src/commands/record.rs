@@ -3,10 +3,11 @@
 mod can;
 mod drive;
 mod foxglove;
-mod opened;
+pub(crate) mod opened;
 mod result;
-mod source;
-mod source_result;
+mod several;
+pub(crate) mod source;
+pub(crate) mod source_result;
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -60,9 +61,10 @@ pub(crate) struct Args {
     /// fdcanusb), odrive:PATH?axis=0 (USB). Servos of one bus, only asked: dynamixel:PATH?id=1,2&baud=57600,
     /// feetech:PATH?id=1,2&baud=1000000. A CAN bus with --dbc, only listened to: slcan:PATH?bitrate=500k,
     /// socketcan:can0. On a bus, an ODrive, asked or commanded: odrive+slcan:PATH?bitrate=500k&node=1, odrive+socketcan:can0?node=1; a drive
-    /// with CANopen, only read, by a list of its objects in --describe: canopen+socketcan:can0?node=5
+    /// with CANopen, only read, by a list of its objects in --describe: canopen+socketcan:can0?node=5. Given several times, devices that
+    /// are listened to or asked go into one recording
     #[arg(long, value_name = "DEVICE", required_unless_present = "list_profiles")]
-    device: Option<Target>,
+    device: Vec<Target>,
     #[command(flatten)]
     source: SourceArgs,
     #[command(flatten)]
@@ -110,10 +112,13 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
         output::print(&profiles()?)?;
         return Ok(Outcome::Done);
     }
-    let (Some(path), Some(device)) = (&args.output, &args.device) else {
+    let (Some(path), [device, more @ ..]) = (&args.output, &args.device[..]) else {
         return Err(WrongArguments("record needs --output and --device".into()).into());
     };
     check_output(path, args.force)?;
+    if !more.is_empty() {
+        return several::run(&args, path);
+    }
     let device = match source::of(device, &args.source)? {
         Target::Source(address) => return source::run(&args, path, &address),
         Target::Board(board) => &board.with_token(args.token.read()?),
@@ -164,7 +169,7 @@ impl Args {
     /// The server of the recording, if one is wanted, of a recording that begins at a time of day, ns since 1970.
     fn serve(&self, channels: &[Channel], start_unix_ns: u64) -> anyhow::Result<Option<Serve>> {
         let Some(address) = self.serve else { return Ok(None) };
-        let device = self.device.as_ref().map(ToString::to_string).unwrap_or_default();
+        let device = self.device.first().map(ToString::to_string).unwrap_or_default();
         let mut serve = Serve::start(address, channels, &format!("socam-host record --device {device}"))?;
         serve.begin(start_unix_ns);
         Ok(Some(serve))

@@ -5,8 +5,8 @@ use egui::{
 };
 
 use socam_core::State;
-use socam_workbench::View;
 use socam_workbench::watch::Tone;
+use socam_workbench::{Request, View};
 
 use super::Dashboard;
 use crate::platform::{HAS_BENCH, Views};
@@ -44,7 +44,7 @@ impl Dashboard {
     fn bench(&mut self, ui: &mut Ui) {
         // Without a board it can do nothing, and is no louder than other controls.
         let text = RichText::new("EMERGENCY STOP").strong();
-        let button = if self.workspace.bench.is_connected() {
+        let button = if self.workspace.bench.is_commanded() {
             Button::new(text.color(egui::Color32::WHITE))
                 .fill(theme::STOP)
                 .stroke(Stroke::new(1.0, theme::STOP))
@@ -136,7 +136,7 @@ impl Dashboard {
     }
 
     fn show_notices(&mut self, ui: &mut Ui) {
-        let mut put_away = None;
+        let (mut put_away, mut asked) = (None, None);
         for (index, notice) in self.notices.iter().enumerate() {
             if !notice.grave {
                 ui.ctx().request_repaint_after_secs(1.0);
@@ -147,6 +147,12 @@ impl Dashboard {
                     if ui.button("Dismiss").clicked() {
                         put_away = Some(index);
                     }
+                    let why = "Opens what was recorded since the change, and leads to Diagnosis";
+                    if notice.departure.is_some()
+                        && ui.button("Diagnose from here").on_hover_text(why).clicked()
+                    {
+                        asked = notice.departure;
+                    }
                     ui.add(egui::Label::new(&notice.text).wrap());
                     ui.allocate_space(egui::vec2(ui.available_width(), 0.0));
                 });
@@ -154,6 +160,9 @@ impl Dashboard {
         }
         if let Some(index) = put_away {
             self.notices.remove(index);
+        }
+        if let Some(departure) = asked {
+            self.workspace.request(Request::Diagnose(departure));
         }
     }
 }

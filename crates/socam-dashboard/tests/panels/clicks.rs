@@ -74,7 +74,7 @@ fn an_empty_window_says_what_to_do() {
     let mut window = window(Dashboard::default());
     window.get_by_label("No recording is open");
     for (tab, title) in [
-        ("Live", "No board is connected"),
+        ("Live", "No device is connected"),
         ("Frequency", "No recording is shown"),
         ("Check", "No recording is open"),
         ("Identify", "No identification yet"),

@@ -18,7 +18,7 @@ const NARROW: Viewport = Viewport { size: [800.0, 600.0], scale: 1.25 };
 const LARGE: Viewport = Viewport { size: [2560.0, 1440.0], scale: 1.0 };
 
 /// Look and size in which each state is drawn here; example `gallery` draws all states in all looks.
-const DRAWN: [(&str, Look, Viewport); 44] = [
+const DRAWN: [(&str, Look, Viewport); 46] = [
     ("time-bench", Look::Dark, SMALL),
     ("time-formula", Look::Light, NARROW),
     ("response-decibel", Look::Light, SMALL),
@@ -53,6 +53,8 @@ const DRAWN: [(&str, Look, Viewport); 44] = [
     ("live-empty", Look::Dark, SMALL),
     ("live", Look::Light, LARGE),
     ("live-fault", Look::Dark, NARROW),
+    ("live-text", Look::Light, SMALL),
+    ("live-drive", Look::Dark, SMALL),
     ("watch", Look::Light, SMALL),
     ("fleet", Look::Light, SMALL),
     ("fleet-machine", Look::Dark, SMALL),

@@ -19,6 +19,9 @@ const MOST: usize = 2000;
 pub struct Found {
     /// The description as text, with `?` where the device does not state something, and guesses as comments.
     pub text: String,
+    /// The description as text, with plain numbers in the place of units that the device does not state, and times of arrival in that
+    /// of a clock without a unit.
+    pub plain: String,
     /// What the device does not state, by signal.
     pub unknown: Vec<String>,
     /// What was concluded from the numbers.
@@ -122,12 +125,15 @@ pub(crate) fn conclude(
     }
     assign_units(&mut signals, take_guesses);
     let is_channel = |signal: &Signal| matches!(signal.role, Role::Channel { .. });
-    signals.iter().any(is_channel).then(|| Found {
-        unknown: unknown(&signals),
-        assumed: assumed(&signals, take_guesses),
-        text: write::description(form, &signals),
-        lines: [0; 2],
-    })
+    if !signals.iter().any(is_channel) {
+        return None;
+    }
+    let unknown = unknown(&signals);
+    let assumed = assumed(&signals, take_guesses);
+    let text = write::description(form, &signals);
+    signals.iter_mut().for_each(Signal::make_plain);
+    let plain = write::description(form, &signals);
+    Some(Found { text, plain, unknown, assumed, lines: [0; 2] })
 }
 
 /// The form of most lines, and the units that a header states.

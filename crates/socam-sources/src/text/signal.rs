@@ -41,6 +41,17 @@ pub(crate) enum Role {
 }
 
 impl Signal {
+    /// Makes a channel whose unit is not known one of plain numbers, and leaves a clock whose unit is not known out.
+    pub(super) fn make_plain(&mut self) {
+        match &mut self.role {
+            Role::Clock { unit: None, .. } => self.role = Role::Aside,
+            Role::Channel { unit, .. } if unit.as_deref().is_none_or(socam_units::is_counts) => {
+                *unit = Some("1".into());
+            }
+            _ => {}
+        }
+    }
+
     pub(super) fn has_no_name(&self) -> bool {
         self.name.starts_with("column ")
     }

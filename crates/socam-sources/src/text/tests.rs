@@ -163,6 +163,9 @@ fn what_a_device_does_not_state_is_asked() {
     let lines: Vec<String> = (0..100).map(line).collect();
     let found = probe(&chunks(&lines), Bounds::Ends, false).unwrap();
     assert_eq!(found.unknown, ["the unit of `column 2`", "the unit of `column 3`"]);
+    let plain = Description::parse(&found.plain).unwrap();
+    let units: Vec<_> = plain.channels.iter().map(|channel| (channel.unit, channel.factor)).collect();
+    assert_eq!(units, [(socam_units::Unit::One, 1.0); 2], "{}", found.plain);
     assert!(found.assumed[0].contains("`column 1` is the device's clock in us"), "{:?}", found.assumed);
     assert!(found.description().unwrap_err().to_string().contains("does not state the unit of `column 2`"));
     let complete = found.text.replace("\"?\"", "\"V\"");

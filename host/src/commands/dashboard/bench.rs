@@ -1,6 +1,7 @@
 //! The board of the live view: a thread that talks to it, records, and sends news and samples to the window.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::mpsc::TryRecvError;
 use std::time::{Duration, Instant};
 
@@ -9,10 +10,13 @@ use socam_core::{Refusal, Request};
 use socam_job::VirtualBench;
 use socam_recording::{Attachment, Calibration};
 use socam_workbench::about::Happening;
+use socam_workbench::device::{Needs, Peer, Stated, Wanted};
 use socam_workbench::link::{self, Bench, Connector, News, Order};
 
 use super::show::{IDLE_PERIOD_US, Show};
+use super::source;
 use super::watcher::{Watcher, ended, health};
+use crate::commands::record::source::{self as record_source, SourceArgs, Target};
 use crate::commands::record::{attachment, now_unix_ns};
 use crate::device::run::{self, End, Plan};
 use crate::device::session::Heard;
@@ -52,10 +56,14 @@ fn attend(
     calibration: Option<Calibration>,
     token: Option<Token>,
 ) -> anyhow::Result<()> {
-    let Ok(Order::Connect(device)) = own.orders.recv() else { return Ok(()) };
-    let device: Device =
-        device.parse().map_err(|expected| anyhow::anyhow!("`{device}` is no device: {expected}"))?;
-    let device = device.with_token(token);
+    let Ok(Order::Connect(wanted)) = own.orders.recv() else { return Ok(()) };
+    let device = match target(&wanted)? {
+        (Target::Board(device), _) => device.with_token(token),
+        (Target::Source(address), args) => {
+            let model = socam_job::model_text(&bench.model)?;
+            return source::attend(own, &address, &args, period_ns(wanted.rate_hz), model);
+        }
+    };
     let setup =
         (device == Device::Sim).then(|| bench.setup(&bench.load()?, calibration.clone())).transpose()?;
     let given = setup.as_ref().map(|setup| setup.calibration.clone()).or(calibration);
@@ -81,6 +89,27 @@ fn attend(
     };
     talk.look()?;
     talk.go_on()
+}
+
+/// The device that is wanted, with what is said of it.
+fn target(wanted: &Wanted) -> anyhow::Result<(Target, SourceArgs)> {
+    let address = &wanted.address;
+    let target: Target =
+        address.parse().map_err(|expected| anyhow::anyhow!("`{address}` is no device: {expected}"))?;
+    let needs = Needs::of(address);
+    let path = |text: &str, is_needed| Some(PathBuf::from(text)).filter(|_| is_needed && !text.is_empty());
+    let Stated { description, takes_guesses, dbc } = &wanted.stated;
+    let args = SourceArgs {
+        describe: path(description.trim(), needs == Needs::Description),
+        accept_guesses: *takes_guesses && needs == Needs::Description,
+        dbc: path(dbc.trim(), needs == Needs::Dbc),
+    };
+    Ok((record_source::of(&target, &args)?, args))
+}
+
+/// The interval at which a device is asked, ns.
+fn period_ns(rate_hz: f64) -> i64 {
+    if rate_hz > 0.0 { (1e9 / rate_hz) as i64 } else { 1_000_000 }
 }
 
 /// An open link.
@@ -124,6 +153,7 @@ impl Talk<'_> {
         let limits = self.calibration.channels.iter().map(|channel| channel.limit);
         let limits = std::iter::once(Some(self.calibration.clamp_v)).chain(limits).collect();
         self.tell(News::Connected {
+            peer: Peer::Board,
             board: self.board.clone(),
             channels: self.show.columns.channels.clone(),
             limits: self.show.columns.recorded(limits),
@@ -213,7 +243,11 @@ impl Talk<'_> {
                 }
             }
             Order::Note(_) => self.tell(News::Problem("a note can be added while a recording runs".into())),
-            Order::Connect(_) | Order::Disconnect | Order::Alarm(_) => {}
+            Order::Connect(_)
+            | Order::Disconnect
+            | Order::Alarm(_)
+            | Order::Record { .. }
+            | Order::EndRecording => {}
         }
         Ok(())
     }

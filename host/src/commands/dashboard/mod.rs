@@ -5,6 +5,7 @@ mod rehearsal;
 mod remedy;
 mod show;
 mod simulated;
+mod source;
 mod watcher;
 mod window;
 
@@ -16,6 +17,7 @@ use socam_chart::theme::Look;
 use socam_dashboard::{Dashboard, Layout, View, Viewport, picture};
 use socam_job::VirtualBench;
 use socam_recording::Calibration;
+use socam_workbench::device::Stated;
 
 use self::rehearsal::Rehearsal;
 use super::Outcome;
@@ -31,6 +33,8 @@ use crate::output::{self, WrongArguments};
 #[command(after_help = "Examples:
   socam-host dashboard                                  connect to a board, or drop files into the window
   socam-host dashboard run.mcap@2..8 other.csv
+  socam-host dashboard --device udp:0.0.0.0:9870        what a device sends, as it comes; a press records it
+  socam-host dashboard --device moteus:/dev/ttyACM0?id=1 --rate 500 --watch rotor.toml
   socam-host dashboard report --screenshot bench.png    a diagnosis as a picture
   socam-host dashboard fleet.parquet                    the machines of a fleet")]
 pub(crate) struct Args {
@@ -76,10 +80,21 @@ pub(crate) struct Args {
     /// Moment of the recording at which the view of the machine begins, s
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     at: Option<f64>,
-    /// Connect to a device at once: sim, serial, serial:PATH, tcp:HOST:PORT
+    /// Connect to a device at once, any that `record` takes: sim, serial, serial:PATH, tcp:HOST:PORT; serial:PATH?baud=RATE, udp:HOST:PORT,
+    /// text+tcp:HOST:PORT; moteus:PATH?id=1, odrive:PATH?axis=0, dynamixel:PATH?id=1, slcan:PATH?bitrate=500k
     #[arg(long, value_name = "DEVICE")]
     device: Option<String>,
-    /// Sampling rate of a run, Hz
+    /// File that says what the lines of a device hold: names, units, clock. Without one, what the device does not state is drawn as plain
+    /// numbers, and the window offers to write it
+    #[arg(long, value_name = "D.toml")]
+    describe: Option<PathBuf>,
+    /// Take units that names suggest without asking, and leave out signals whose names suggest none
+    #[arg(long)]
+    accept_guesses: bool,
+    /// DBC that says what the frames of a CAN bus hold
+    #[arg(long, value_name = "FILE.dbc")]
+    dbc: Option<PathBuf>,
+    /// Sampling rate of a run, and rate at which a device is asked, Hz
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
     /// Run and record the virtual bench for this time, s, report the frames per second and close the window; with --screenshot, draw the
@@ -156,7 +171,12 @@ fn layout(args: &Args) -> anyhow::Result<Layout> {
     }
     if let Some(device) = &args.device {
         layout.device.clone_from(device);
+        layout.stated = Stated::default();
     }
+    let text = |path: &Option<PathBuf>| path.as_ref().map(|path| path.display().to_string());
+    layout.stated.description = text(&args.describe).unwrap_or(layout.stated.description);
+    layout.stated.dbc = text(&args.dbc).unwrap_or(layout.stated.dbc);
+    layout.stated.takes_guesses |= args.accept_guesses;
     if args.rehearse.is_some() {
         layout.view = View::Live;
         if layout.device != "sim" {

@@ -52,6 +52,7 @@ impl Show {
             time_s: Vec::with_capacity(batch.len()),
             step_s: f64::from(self.period_us) * 1e-6,
             after_setup,
+            gaps: None,
             values: Vec::new(),
         };
         if after_setup && self.last_tick.is_some() {

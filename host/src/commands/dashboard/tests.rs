@@ -2,6 +2,7 @@
 
 mod failures;
 mod samples;
+mod sources;
 
 use std::path::Path;
 use std::time::{Duration, Instant};

@@ -8,21 +8,21 @@ use crate::device::source::{Bus, Link, Node, Place, SourceAddress};
 use crate::interrupt::Interrupt;
 use crate::output::WrongArguments;
 
-use super::Args;
 use super::opened::Opened;
+use super::source::SourceArgs;
 
 /// Opens what is recorded of a bus.
 #[cfg(feature = "formats-can")]
 pub(super) fn open(
     link: &mut Link,
-    args: &Args,
+    args: &SourceArgs,
+    period_ns: i64,
     address: &SourceAddress,
     node: Node,
     interrupt: &Interrupt,
 ) -> anyhow::Result<Opened> {
-    let period_ns = i64::from(args.record.period_us()?) * 1000;
     match node {
-        Node::Dbc => listened(link, &address.to_string(), bus(address)?, args.source.dbc(), interrupt),
+        Node::Dbc => listened(link, &address.to_string(), bus(address)?, args.dbc.as_deref(), interrupt),
         Node::Odrive(node) => Ok(Opened::asked(Box::new(odrive(address, node, period_ns)?))),
         Node::Canopen(node) => canopen(args, address, node, period_ns),
     }
@@ -77,11 +77,11 @@ pub(super) fn odrive(
 
 /// The drive of a number on a bus, by the list of its objects.
 #[cfg(feature = "formats-can")]
-fn canopen(args: &Args, address: &SourceAddress, node: u8, period_ns: i64) -> anyhow::Result<Opened> {
+fn canopen(args: &SourceArgs, address: &SourceAddress, node: u8, period_ns: i64) -> anyhow::Result<Opened> {
     use socam_sources::can::Access;
     use socam_sources::can::canopen::{Canopen, Objects};
 
-    let Some(list) = args.source.description() else {
+    let Some(list) = args.describe.as_deref() else {
         let problem = format!(
             "{address}: which objects are recorded is not known: name a list of them by --describe FILE, as docs/devices.md explains it"
         );
@@ -114,7 +114,8 @@ pub(super) fn opening(
 #[cfg(not(feature = "formats-can"))]
 pub(super) fn open(
     _: &mut Link,
-    _: &Args,
+    _: &SourceArgs,
+    _: i64,
     address: &SourceAddress,
     _: Node,
     _: &Interrupt,

@@ -72,7 +72,7 @@ impl DriveArgs {
         Ok(())
     }
 
-    fn is_set(&self) -> bool {
+    pub(super) fn is_set(&self) -> bool {
         self.arm || !self.limits.is_empty()
     }
 }

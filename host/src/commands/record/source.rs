@@ -25,34 +25,22 @@ use crate::output::{self, WrongArguments};
 
 /// Options of devices other than the own board.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct SourceArgs {
+pub(crate) struct SourceArgs {
     /// File that says what a device's lines hold: names, units, clock. If there is none, it is written, with a question mark for all that
     /// the device does not state; complete it and record again. For a drive with CANopen, the list of its objects
     #[arg(long, value_name = "D.toml")]
-    describe: Option<PathBuf>,
+    pub(crate) describe: Option<PathBuf>,
     /// Take units that names suggest without asking, and leave out signals whose names suggest none
     #[arg(long)]
-    accept_guesses: bool,
+    pub(crate) accept_guesses: bool,
     /// DBC that says what the frames of a CAN bus hold
     #[arg(long, value_name = "FILE.dbc")]
-    dbc: Option<PathBuf>,
-}
-
-impl SourceArgs {
-    /// The DBC of a bus.
-    pub(super) fn dbc(&self) -> Option<&Path> {
-        self.dbc.as_deref()
-    }
-
-    /// The description of a device.
-    pub(super) fn description(&self) -> Option<&Path> {
-        self.describe.as_deref()
-    }
+    pub(crate) dbc: Option<PathBuf>,
 }
 
 /// What `--device` names.
 #[derive(Debug, Clone)]
-pub(super) enum Target {
+pub(crate) enum Target {
     Board(Device),
     Source(SourceAddress),
 }
@@ -97,7 +85,7 @@ impl FromStr for Target {
 }
 
 /// The device, which a description makes one of lines of text.
-pub(super) fn of(target: &Target, args: &SourceArgs) -> Result<Target, WrongArguments> {
+pub(crate) fn of(target: &Target, args: &SourceArgs) -> Result<Target, WrongArguments> {
     let Target::Board(board) = target else { return Ok(target.clone()) };
     if args.dbc.is_some() {
         return Err(WrongArguments(format!(
@@ -130,7 +118,10 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
             refuse_description(&args.source)?;
             (Opened::asked(device), Some((profile, limits)))
         }
-        None => (open(&mut link, args, address, &interrupt)?, None),
+        None => {
+            let period_ns = i64::from(args.record.period_us()?) * 1000;
+            (open(&mut link, &args.source, period_ns, address, &interrupt)?, None)
+        }
     };
     let Opened { mut device, timeline, heard, description } = opened;
     let channels = device.channels().to_vec();
@@ -143,7 +134,9 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
     header.planned_duration_s = duration_s;
     header.replace = args.force;
     let serve = args.serve(device.channels(), opened_unix_ns)?;
-    header.metadata = metadata(args, &name, &*device, &timeline);
+    header.metadata = metadata(&name, &*device, &timeline);
+    header.metadata.extend(args.note.clone().map(|note| ("note".into(), note)));
+    header.metadata.extend(args.machine.clone().map(|machine| (MACHINE_KEY.into(), machine)));
     let is_commanded = commanded.is_some();
     if let Some((profile, limits)) = commanded {
         header.planned_duration_s = Some(profile.duration_s + profile.ramp_s);
@@ -160,14 +153,14 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
 }
 
 /// Makes the protocol of a device; a device of text is listened to first.
-fn open(
+pub(crate) fn open(
     link: &mut Link,
-    args: &Args,
+    args: &SourceArgs,
+    period_ns: i64,
     address: &SourceAddress,
     interrupt: &Interrupt,
 ) -> anyhow::Result<Opened> {
     let name = address.to_string();
-    let period_ns = i64::from(args.record.period_us()?) * 1000;
     let asked: Box<dyn socam_sources::Device> = match &address.protocol {
         Protocol::Moteus(id) => Box::new(Moteus::new(*id, period_ns)?),
         Protocol::Odrive(axis) => Box::new(Odrive::new(*axis, period_ns)?),
@@ -175,18 +168,17 @@ fn open(
         Protocol::Feetech(ids) => Box::new(feetech::servos(ids, period_ns)?),
         Protocol::Can(node) => {
             // A list of objects describes a drive with CANopen.
-            if args.source.accept_guesses || !matches!(node, Node::Canopen(_)) {
-                refuse_description(&args.source)?;
+            if args.accept_guesses || !matches!(node, Node::Canopen(_)) {
+                refuse_description(args)?;
             }
-            return can::open(link, args, address, *node, interrupt);
+            return can::open(link, args, period_ns, address, *node, interrupt);
         }
-        Protocol::Foxglove(topics) => return foxglove::open(link, &name, topics, &args.source, interrupt),
+        Protocol::Foxglove(topics) => return foxglove::open(link, &name, topics, args, interrupt),
         Protocol::Text => {
             let heard = listen(link, &name, interrupt)?;
             let bounds = link.bounds();
             let found = |take_guesses| heard.probe(bounds, take_guesses);
-            let description =
-                described(&args.source, &name, found, |description| heard.check(description, bounds))?;
+            let description = described(args, &name, found, |description| heard.check(description, bounds))?;
             let device = TextDevice::new(description.read, link.bounds());
             let timeline = Timeline::new(device.numbering(), device.clock_wrap_s());
             return Ok(Opened {
@@ -197,7 +189,7 @@ fn open(
             });
         }
     };
-    refuse_description(&args.source)?;
+    refuse_description(args)?;
     Ok(Opened::asked(asked))
 }
 
@@ -210,7 +202,7 @@ fn refuse_description(args: &SourceArgs) -> Result<(), WrongArguments> {
 }
 
 /// Options that only the own board, or a virtual bench, understands.
-fn refuse_board_options(args: &Args, address: &SourceAddress) -> Result<(), WrongArguments> {
+pub(super) fn refuse_board_options(args: &Args, address: &SourceAddress) -> Result<(), WrongArguments> {
     let is_can = address.protocol == Protocol::Can(Node::Dbc);
     if args.source.dbc.is_some() && !is_can {
         return Err(WrongArguments(format!(
@@ -278,19 +270,16 @@ fn say_found(found: &Found) {
     }
 }
 
-fn metadata(
-    args: &Args,
+/// What a recording of a device says of it.
+pub(crate) fn metadata(
     name: &str,
     device: &dyn socam_sources::Device,
     timeline: &Timeline,
 ) -> BTreeMap<String, String> {
-    let mut metadata = BTreeMap::from([
+    BTreeMap::from([
         ("device".to_owned(), name.to_owned()),
         ("device_kind".to_owned(), device.kind()),
         ("lost_samples".to_owned(), format!("counted {}", timeline.counted_by())),
         ("host".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-    ]);
-    metadata.extend(args.note.clone().map(|note| ("note".into(), note)));
-    metadata.extend(args.machine.clone().map(|machine| (MACHINE_KEY.into(), machine)));
-    metadata
+    ])
 }

@@ -99,7 +99,7 @@ pub(super) fn tell(path: &Path, report: &SourceReport, is_commanded: bool, json:
 }
 
 /// The result in words: `run.mcap: 5000 samples over 5.000 s, none lost (counted by ...); 2 damaged messages`.
-fn text(path: &Path, report: &SourceReport, is_commanded: bool) -> String {
+pub(crate) fn text(path: &Path, report: &SourceReport, is_commanded: bool) -> String {
     let (summary, counts) = (&report.summary, &report.counts);
     let lost = lost_words(summary);
     let mut text = format!(

@@ -30,6 +30,13 @@ pub(crate) enum Protocol {
     Can(Node),
 }
 
+impl Protocol {
+    /// Whether a file says what its rows hold.
+    pub(crate) fn is_described(&self) -> bool {
+        matches!(self, Self::Text | Self::Foxglove(_) | Self::Can(Node::Canopen(_)))
+    }
+}
+
 /// The other end of a link.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Place {

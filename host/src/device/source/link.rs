@@ -145,6 +145,13 @@ impl Link {
         self.last_words = words;
     }
 
+    /// Takes the next sender of packets for the device: one that begins anew sends from another port.
+    pub(crate) fn forget_sender(&mut self) {
+        if let Some(Open::Packets { sender, .. }) = &mut self.open {
+            *sender = None;
+        }
+    }
+
     /// Tries to open a closed link again.
     pub(crate) fn reopen(&mut self) -> bool {
         self.open = open(&self.place).ok();

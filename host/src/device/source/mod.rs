@@ -4,6 +4,7 @@ mod address;
 mod bus;
 mod link;
 mod listen;
+mod listener;
 mod report;
 mod run;
 #[cfg(all(target_os = "linux", feature = "formats-can"))]
@@ -13,5 +14,8 @@ pub(crate) use address::{Place, Protocol, SourceAddress};
 pub(crate) use bus::{Bus, Node};
 pub(crate) use link::Link;
 pub(crate) use listen::{Listened, listen};
+pub(crate) use listener::{Got, Listener, Row};
+#[cfg(feature = "window")]
+pub(crate) use report::clock_text;
 pub(crate) use report::{SourceEnd, SourcePlan, SourceReport};
 pub(crate) use run::record;

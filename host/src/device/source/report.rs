@@ -56,7 +56,7 @@ pub(crate) struct SourceReport {
 }
 
 /// The device's clock against the host's, as text.
-pub(super) fn clock_text(clock: Option<&ClockMap>) -> Option<String> {
+pub(crate) fn clock_text(clock: Option<&ClockMap>) -> Option<String> {
     let clock = clock?;
     Some(format!(
         "over {:.1} s the device's clock ran {:+.1} ppm against the host's, within {:.3} ms; samples arrived up to {:.1} ms late; \

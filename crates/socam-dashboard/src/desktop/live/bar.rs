@@ -1,4 +1,4 @@
-//! The bar of the live view: Arm, Run, Stop, the progress of the run, and one line of words. Nothing in it ever moves.
+//! The bar of the live view: Arm, Run, Stop, or Record and End of a device that is not commanded, the progress of the run, and one line of words. Nothing in it ever moves.
 
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
@@ -9,6 +9,8 @@ use socam_core::State;
 use socam_chart::theme;
 use socam_workbench::Workspace;
 use socam_workbench::connection::{Connection, Link};
+use socam_workbench::device::Source;
+use socam_workbench::run::Run;
 
 const ARM: KeyboardShortcut = with_two(Key::A);
 const RUN: KeyboardShortcut = with_two(Key::R);
@@ -43,6 +45,19 @@ pub(super) fn draw(ui: &mut Ui, workspace: &mut Workspace) {
         let left = rect.left() + place * (BUTTON.x + ui.spacing().item_spacing.x);
         Rect::from_min_size(egui::pos2(left, rect.top()), BUTTON)
     });
+    if let Some(source) = workspace.bench.source().cloned() {
+        source_buttons(ui, workspace, &source, [arm, run.union(stop)]);
+    } else {
+        board_buttons(ui, workspace, [arm, run, stop]);
+    }
+    let left = stop.right() + 2.0 * ui.spacing().item_spacing.x;
+    let progress = Rect::from_min_max(egui::pos2(left, rect.top()), egui::pos2(rect.right(), stop.bottom()));
+    draw_progress(ui, workspace, progress);
+    let below = Rect::from_min_max(egui::pos2(rect.left(), stop.bottom() + GAP), rect.max);
+    words(ui, &mut workspace.bench, below);
+}
+
+fn board_buttons(ui: &mut Ui, workspace: &mut Workspace, [arm, run, stop]: [Rect; 3]) {
     if button(ui, arm, "Arm", why_no_arm(&workspace.bench), ARM) {
         workspace.arm();
     }
@@ -52,11 +67,27 @@ pub(super) fn draw(ui: &mut Ui, workspace: &mut Workspace) {
     if button(ui, stop, "Stop", why_no_stop(&workspace.bench), STOP) {
         workspace.bench.stop();
     }
-    let left = stop.right() + 2.0 * ui.spacing().item_spacing.x;
-    let progress = Rect::from_min_max(egui::pos2(left, rect.top()), egui::pos2(rect.right(), stop.bottom()));
-    draw_progress(ui, workspace, progress);
-    let below = Rect::from_min_max(egui::pos2(rect.left(), stop.bottom() + GAP), rect.max);
-    words(ui, &mut workspace.bench, below);
+}
+
+/// A device that is not commanded from here is recorded by one press, and the bar says that no command leaves.
+fn source_buttons(ui: &mut Ui, workspace: &mut Workspace, source: &Source, [record, words]: [Rect; 2]) {
+    if workspace.bench.is_recording() {
+        if button(ui, record, "End", None, STOP) {
+            workspace.bench.end_recording();
+        }
+    } else {
+        let why_not = source.unstated.as_ref().map(|_| {
+            "A recording needs the units that the device does not state: write its description at the left, complete it, and connect again"
+        });
+        if button(ui, record, "Record", why_not, RUN) {
+            workspace.record();
+        }
+    }
+    let text = RichText::new(source.words()).small().color(theme::body(ui));
+    let place = egui::Layout::left_to_right(egui::Align::Center).with_main_wrap(true);
+    ui.scope_builder(egui::UiBuilder::new().max_rect(words).layout(place), |ui| {
+        ui.add(Label::new(text).wrap())
+    });
 }
 
 /// A button that is disabled for a reason, or does what its tip says. True when it or its keys were pressed.
@@ -64,6 +95,8 @@ fn button(ui: &mut Ui, rect: Rect, name: &str, why_not: Option<&str>, keys: Keyb
     let tip = match name {
         "Arm" => "Load the signal and watch all limits; nothing moves",
         "Run" => "The bench moves, and is recorded",
+        "Record" => "Writes what arrives from now on into a file; no command leaves for the device",
+        "End" => "Closes the file; the device is shown as before",
         _ => "Ramps down gently",
     };
     let tip = format!("{tip} ({})", ui.ctx().format_shortcut(&keys));
@@ -105,7 +138,16 @@ fn why_no_stop(bench: &Connection) -> Option<&'static str> {
 
 /// Elapsed time, planned end and time left of the run.
 fn draw_progress(ui: &mut Ui, workspace: &Workspace, rect: Rect) {
+    let source = workspace.bench.source().map(|_| workspace.bench.source_state());
     let text = match workspace.bench.last_run() {
+        Some(run) if source.is_some() && run.is_recorded() => {
+            let counts = source.flatten().and_then(|state| state.recorded);
+            let counts =
+                counts.map_or_else(String::new, |[rows, lost]| format!(", {rows} samples, {lost} lost"));
+            format!("recording: {:.1} s{counts}", run.elapsed_s())
+        }
+        Some(run) if source.is_some() => format!("recorded {:.1} s", run.elapsed_s()),
+        None if source.is_some() => "not recorded".into(),
         None => {
             let file = workspace.signal.settings.file();
             format!("planned: {:.1} s", file.duration_s + file.ramp_s)
@@ -119,7 +161,11 @@ fn draw_progress(ui: &mut Ui, workspace: &Workspace, rect: Rect) {
             }
         }
     };
-    let share = workspace.bench.last_run().map_or(0.0, |run| run.elapsed_s() / run.planned_s.max(1e-3));
+    let share = match (source, workspace.bench.last_run()) {
+        // It has no planned end: the bar is full while it is made.
+        (Some(_), run) => f64::from(u8::from(run.is_some_and(Run::is_recorded))),
+        (None, run) => run.map_or(0.0, |run| run.elapsed_s() / run.planned_s.max(1e-3)),
+    };
     // An empty bar would keep its round end.
     let fill = if share > 0.0 { ui.visuals().selection.bg_fill } else { egui::Color32::TRANSPARENT };
     let bar = ProgressBar::new(share.clamp(0.0, 1.0) as f32)
@@ -140,9 +186,12 @@ fn message(bench: &Connection) -> Words {
     if let Some(text) = bench.problem() {
         return Words { text: text.to_owned(), is_grave: true, action: Some("Dismiss") };
     }
+    if let Some(source) = bench.source() {
+        return of_source(bench, source);
+    }
     let text = match (bench.link(), bench.state()) {
-        (Link::Closed, _) => "no board is connected: name a device below, and connect",
-        (Link::Opening, _) => "asking the board who it is",
+        (Link::Closed, _) => "no device is connected: name one below, and connect",
+        (Link::Opening, _) => "asking the device who it is, or listening to it",
         (_, Some(State::Idle)) => "at rest: Arm loads the signal and watches all limits, and nothing moves",
         (_, Some(State::Armed)) => "armed: Run moves the bench and records it",
         (_, Some(State::Running)) => "the bench moves: Stop ramps it down, Esc cuts the command at once",
@@ -151,6 +200,19 @@ fn message(bench: &Connection) -> Words {
         (Link::Open { .. }, None) => "the board is connected; waiting for its state",
     };
     Words { text: text.to_owned(), is_grave: false, action: None }
+}
+
+/// Why nothing arrives from a source, what it does not state, or what comes next.
+fn of_source(bench: &Connection, source: &Source) -> Words {
+    if let Some(text) = bench.source_state().and_then(|state| state.away.clone()) {
+        return Words { text, is_grave: true, action: None };
+    }
+    let text = match &source.unstated {
+        Some(_) => "drawn as plain numbers: write a description at the left, complete it, and connect again to record".into(),
+        None if bench.is_recording() => "recorded: End closes the file".into(),
+        None => "samples arrive: Record writes them into a file".into(),
+    };
+    Words { text, is_grave: false, action: None }
 }
 
 fn words(ui: &mut Ui, bench: &mut Connection, rect: Rect) {

@@ -18,12 +18,12 @@ impl Live {
         if bench.buffer().rows() == 0 {
             let (title, advice) = match bench.link() {
                 Link::Closed => (
-                    "No board is connected",
-                    "Name a device at the left and press Connect: `sim` is a virtual bench in this program, `serial` the board on USB, `tcp:HOST:PORT` one behind a network.",
+                    "No device is connected",
+                    "Name one at the left and press Connect: `sim` is a virtual bench in this program, `serial` the board on USB. Forms lists others, such as lines of text, drives and CAN buses.",
                 ),
                 _ => (
                     "Waiting for samples",
-                    "The board is connected; its channels appear here as soon as it measures.",
+                    "The device is asked, or listened to; its channels appear here as soon as it sends.",
                 ),
             };
             chart::empty_state(ui, title, advice);
@@ -110,7 +110,7 @@ impl Live {
             if missed > 0 {
                 let plural = |count: u64, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
                 let text = format!("{} missing in {}", plural(missed, "sample"), plural(gaps, "gap"));
-                let why = "They did not arrive from the board, or the window did not draw for a minute; gaps are shaded. A recording does not pass through the window: what it has is said at the left.";
+                let why = "They did not arrive from the device, or the window did not draw for a minute; gaps are shaded. A recording does not pass through the window: what it has is said at the left.";
                 let words = RichText::new(text).small().color(theme::alarm(ui));
                 ui.add(Label::new(words).extend()).on_hover_text(why);
             }

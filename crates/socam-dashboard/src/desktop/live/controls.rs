@@ -1,58 +1,42 @@
 //! The panel at the left of the live view: link, recording, input signal.
 
-use egui::{
-    Button, ComboBox, DragValue, Frame, Margin, RichText, Role, ScrollArea, Slider, TextEdit, Ui, WidgetInfo,
-    vec2,
-};
+use egui::{Button, ComboBox, DragValue, RichText, Role, ScrollArea, Slider, TextEdit, Ui, WidgetInfo, vec2};
 use socam_core::{Command, State};
 use socam_recording::ProfileFile;
 
 use socam_chart::chart::{Chart, Curve, Flag, Style, range_of};
 use socam_chart::theme;
 use socam_workbench::Workspace;
-use socam_workbench::connection::{Connection, Link};
+use socam_workbench::connection::Connection;
 use socam_workbench::input_signal::{
-    self, AMPLITUDE_V, DURATION_S, FREQUENCY_HZ, LIMIT_V, Settings, Signal, SignalShape,
+    self, AMPLITUDE_V, DURATION_S, FREQUENCY_HZ, LIMIT_V, Signal, SignalShape,
 };
 use socam_workbench::next_run::NextRun;
 
-use super::Live;
+use super::parts::{Action, card};
+use super::{Live, source};
 use crate::layout;
-
-/// Request of the operator.
-#[derive(Debug)]
-pub(super) enum Action {
-    /// Open the link to the device.
-    Connect,
-    /// Close the link.
-    Disconnect,
-    /// Change the input signal.
-    Change(Settings),
-    /// Make the built-in profile of this name the input signal.
-    Load(&'static str),
-    /// Write the note into the recording.
-    AddNote,
-    /// Open a recording.
-    Look(String),
-}
 
 impl Live {
     /// Draws the panel: the texts and the rate in it are edited in place, and all else is asked for.
     pub(super) fn panel(&mut self, ui: &mut Ui, workspace: &mut Workspace) -> Vec<Action> {
         let mut actions = Vec::new();
-        let Workspace { bench, device, next_run, signal, .. } = workspace;
+        let Workspace { bench, device, stated, next_run, signal, .. } = workspace;
         let shown = egui::Panel::left("bench")
             .default_size(layout::panel(ui, "bench", 318.0))
             .size_range(270.0..=480.0)
             .show(ui, |ui| {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     ui.add_space(2.0);
-                    card(ui, "Board", |ui| actions.extend(link(ui, bench, device)));
+                    card(ui, "Device", |ui| actions.extend(source::link(ui, bench, device, stated)));
                     card(ui, "Recording", |ui| actions.extend(recording(ui, bench, next_run)));
-                    card(ui, "Input Signal", |ui| {
-                        actions.extend(input_signal(ui, bench, signal));
-                        self.preview(ui, bench, signal);
-                    });
+                    match bench.source() {
+                        Some(source) => source::commands(ui, source),
+                        None => card(ui, "Input Signal", |ui| {
+                            actions.extend(input_signal(ui, bench, signal));
+                            self.preview(ui, bench, signal);
+                        }),
+                    }
                 });
             });
         layout::keep_panel(ui, "bench", shown.response.rect.width());
@@ -71,46 +55,6 @@ impl Live {
             Err(sentence) => drop(ui.label(RichText::new(sentence).color(theme::alarm(ui)))),
         }
     }
-}
-
-fn card(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
-    Frame::new().fill(theme::card(ui)).corner_radius(6).inner_margin(Margin::same(9)).show(ui, |ui| {
-        ui.label(RichText::new(title).strong());
-        contents(ui);
-        ui.allocate_space(vec2(ui.available_width(), 0.0));
-    });
-    ui.add_space(5.0);
-}
-
-fn link(ui: &mut Ui, bench: &Connection, device: &mut String) -> Option<Action> {
-    let mut action = None;
-    ui.horizontal(|ui| {
-        let label = ui.label("Device");
-        let closed = *bench.link() == Link::Closed;
-        let field = TextEdit::singleline(device).desired_width(ui.available_width() - 96.0);
-        ui.add_enabled(closed, field)
-            .labelled_by(label.id)
-            .on_hover_text("sim, serial, serial:PATH or tcp:HOST:PORT");
-        if closed {
-            if ui.button("Connect").clicked() {
-                action = Some(Action::Connect);
-            }
-        } else if ui.button(if *bench.link() == Link::Opening { "Cancel" } else { "Disconnect" }).clicked() {
-            action = Some(Action::Disconnect);
-        }
-    });
-    if let Link::Open { board } = bench.link() {
-        ui.label(RichText::new(board).small().color(theme::weak(ui)));
-    }
-    if let Some(health) = bench.health() {
-        let text = format!(
-            "link: {} damaged frames, {} samples dropped, {} periods missed",
-            health.link_errors, health.dropped, health.overruns
-        );
-        let clean = health.link_errors + health.dropped + health.overruns == 0;
-        ui.label(RichText::new(text).small().color(if clean { theme::weak(ui) } else { theme::alarm(ui) }));
-    }
-    action
 }
 
 fn input_signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Action> {
@@ -161,9 +105,12 @@ fn input_signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Acti
 /// Amplitude and duration of a profile.
 fn profile(ui: &mut Ui, file: &mut ProfileFile) {
     let unit = if file.command == Command::Voltage { "V" } else { "rad/s" };
-    if let Some((mut amplitude, most)) = input_signal::amplitude(file).filter(|(_, most)| *most > 0.0) {
+    let (mut amplitude, most) = input_signal::amplitude(file);
+    // A slider at zero would forget the form of steps.
+    let least = 0.02 * most;
+    if most > 0.0 {
         let before = amplitude;
-        slider(ui, "Amplitude", &mut amplitude, [0.0, most], unit);
+        slider(ui, "Amplitude", &mut amplitude, [least, most], unit);
         if amplitude != before {
             input_signal::set_amplitude(file, amplitude);
         }
@@ -208,6 +155,19 @@ fn preview(ui: &mut Ui, bench: &Connection, line: &[[f64; 2]]) {
     chart.show(ui, &mut Vec::new());
 }
 
+/// Samples per second of a run, or of a device that is asked.
+fn rate(ui: &mut Ui, rate_hz: &mut f64) {
+    let text = format!("{rate_hz} Hz");
+    let rate = ComboBox::from_id_salt("rate").selected_text(text).width(86.0).show_ui(ui, |ui| {
+        for choice_hz in [100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0, 10_000.0] {
+            ui.selectable_value(rate_hz, choice_hz, format!("{choice_hz} Hz"));
+        }
+    });
+    let said = || WidgetInfo::labeled(Role::ComboBox, true, "Samples per second");
+    let hint = "Samples per second of a run; of a device that is asked, from the next connection on";
+    rate.response.on_hover_text(hint).on_disabled_hover_text(hint).widget_info(said);
+}
+
 /// Name, rate and notes of the recording, and what became of it.
 fn recording(ui: &mut Ui, bench: &Connection, next: &mut NextRun) -> Option<Action> {
     let mut action = None;
@@ -216,14 +176,11 @@ fn recording(ui: &mut Ui, bench: &Connection, next: &mut NextRun) -> Option<Acti
         ui.horizontal(|ui| {
             let label = ui.label("Name");
             ui.add(TextEdit::singleline(&mut next.name).desired_width(120.0)).labelled_by(label.id);
-            let text = format!("{} Hz", next.rate_hz);
-            let rate = ComboBox::from_id_salt("rate").selected_text(text).width(86.0).show_ui(ui, |ui| {
-                for rate_hz in [500.0, 1000.0, 2000.0, 5000.0, 10_000.0] {
-                    ui.selectable_value(&mut next.rate_hz, rate_hz, format!("{rate_hz} Hz"));
-                }
-            });
-            let said = || WidgetInfo::labeled(Role::ComboBox, true, "Samples per second");
-            rate.response.on_hover_text("Samples per second").widget_info(said);
+            // A device that sends by itself has a rate of its own.
+            if bench.source().is_some_and(|source| !source.is_asked) {
+                return;
+            }
+            ui.add_enabled_ui(bench.source().is_none(), |ui| rate(ui, &mut next.rate_hz));
         });
     });
     ui.horizontal(|ui| {
@@ -240,6 +197,7 @@ fn recording(ui: &mut Ui, bench: &Connection, next: &mut NextRun) -> Option<Acti
     match &run.end {
         None => {
             let counts = bench.health().and_then(|health| health.recorded);
+            let counts = counts.or_else(|| bench.source_state()?.recorded);
             let text = counts
                 .map_or_else(String::new, |[written, lost]| format!(": {written} samples, {lost} lost"));
             ui.label(RichText::new(format!("recording {path}{text}")).color(theme::good(ui)));

@@ -3,7 +3,19 @@
 use crate::view::Help;
 
 pub(super) const HELP: Help = &[
-    ("Device", "sim: a virtual bench; serial: the board on USB; serial:PATH; tcp:HOST:PORT"),
+    (
+        "Address; Forms",
+        "sim: a virtual bench; serial: the board on USB; serial:PATH; tcp:HOST:PORT; others that `record` takes, of which Forms gives examples",
+    ),
+    (
+        "Description; Take units that names suggest; Write description; DBC",
+        "what a device of text, or the frames of a CAN bus, mean; without a description, what the device does not state is drawn as plain numbers and not recorded",
+    ),
+    (
+        "Record; End",
+        "of a device for which no command leaves: begins and closes a recording (Ctrl+Shift+R, Ctrl+Shift+D); it goes on when the device is away and comes back",
+    ),
+    ("Commands; Copy", "the command by which a drive follows a profile, in a terminal"),
     ("Connect; Disconnect", "opens and closes the link to the device; a bench that runs is stopped before"),
     ("Clear fault", "puts a fault away whose cause is gone, so that the bench can be armed again"),
     ("Arm; Ctrl+Shift+A", "loads the signal and watches all limits; the drive stays off"),

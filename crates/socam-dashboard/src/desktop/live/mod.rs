@@ -4,7 +4,11 @@ mod bar;
 mod charts;
 mod controls;
 mod help;
+mod parts;
 mod readings;
+mod source;
+
+use std::path::PathBuf;
 
 use egui::{Frame, Margin, Ui};
 use socam_chart::chart::Seen;
@@ -16,7 +20,7 @@ use socam_workbench::{Request, View, Workspace};
 
 use crate::progress::wake;
 use crate::view::{Help, ViewPanel};
-use controls::Action;
+use parts::Action;
 use readings::Readings;
 
 /// The live view.
@@ -87,6 +91,7 @@ impl Live {
                 let note = std::mem::take(&mut workspace.next_run.note);
                 workspace.bench.note(note);
             }
+            Action::WriteDescription(text) => write_description(workspace, text),
             Action::Look(path) => {
                 workspace.request(Request::Open(path));
                 workspace.request(Request::Show(View::Time));
@@ -98,4 +103,14 @@ impl Live {
     fn shown<'a>(&'a self, bench: &'a Connection) -> &'a Buffer {
         self.held.as_ref().unwrap_or(bench.buffer())
     }
+}
+
+/// Writes what is known of a device into a new file, with which it is connected to next.
+fn write_description(workspace: &mut Workspace, text: String) {
+    let name = workspace.stated.description.trim();
+    let named = (!name.is_empty()).then(|| PathBuf::from(name)).filter(|path| !path.exists());
+    let numbered = (1..).map(|number| workspace.next_run.folder.join(format!("device-{number}.toml")));
+    let Some(path) = named.into_iter().chain(numbered).find(|path| !path.exists()) else { return };
+    workspace.stated.description = path.display().to_string();
+    workspace.request(Request::Save(path, text.into_bytes()));
 }

@@ -136,6 +136,14 @@ fn verdict(verdict: Verdict) -> &'static str {
     }
 }
 
+/// One line for every view.
+pub(super) fn notice(alarm: &Alarm) -> String {
+    format!(
+        "Alarm {} at {:.1} s: the bench departs from its model since about {:.1} s, most in {}",
+        alarm.number, alarm.time_s, alarm.onset_s, alarm.channel
+    )
+}
+
 /// One line for the recording.
 pub(super) fn sentence(alarm: &Alarm) -> String {
     let cause = alarm.naming.as_ref().filter(|naming| naming.verdict != Verdict::Unnamed);

@@ -19,10 +19,11 @@ use session::{Session, Source};
 use socam_chart::chart::{self, Seen};
 use socam_chart::theme;
 use socam_workbench::View;
+use socam_workbench::connection::Link;
 use socam_workbench::job::CANCELLED;
 use socam_workbench::recording::{Recording, short};
 use socam_workbench::setup::Role;
-use socam_workbench::{Request, Workspace};
+use socam_workbench::{Departure, Request, Workspace};
 
 /// Speeds of a replay, as multiples of the recording's own; `None` is as fast as possible.
 const SPEEDS: [(Option<f64>, &str); 3] =
@@ -66,6 +67,8 @@ pub struct WatchView {
     model: String,
     /// Name of what was watched.
     name: String,
+    /// Number of the link whose samples were watched; 0 for a recording.
+    link: u64,
     problem: Option<String>,
     /// Number of the alarm whose window is shown.
     selected: Option<usize>,
@@ -107,16 +110,20 @@ impl ViewPanel for WatchView {
     }
 
     fn poll(&mut self, ctx: &egui::Context, workspace: &mut Workspace) {
-        if self.begins && self.subject(workspace).is_some() {
+        // A device that is being connected to is what will be watched.
+        if self.begins && *workspace.bench.link() != Link::Opening && self.subject(workspace).is_some() {
             self.begin(ctx, workspace);
         }
         let Some(session) = &mut self.session else { return };
         session.take(&workspace.feed);
-        for event in session.events() {
-            if session.is_live
-                && let Event::Named(alarm) = &event
-            {
-                workspace.request(Request::Alarm(alarms::sentence(alarm)));
+        for event in session.events().filter(|_| session.is_live) {
+            match event {
+                Event::Alarm(alarm) => {
+                    let departure = Departure { link: self.link, onset_s: alarm.onset_s };
+                    workspace.request(Request::Alarmed(departure, alarms::notice(&alarm)));
+                }
+                Event::Named(alarm) => workspace.request(Request::Alarm(alarms::sentence(&alarm))),
+                _ => {}
             }
         }
         self.overlay = session.overlay().or(self.overlay.take());
@@ -169,7 +176,17 @@ impl WatchView {
     fn lead_on(&self, ui: &mut Ui, workspace: &mut Workspace) {
         let alarm = self.alarms().iter().find(|alarm| self.selected == Some(alarm.number));
         let watched = named_short(workspace, &self.name);
-        let (Some(alarm), Some(recording)) = (alarm, watched) else { return };
+        let Some(alarm) = alarm else { return };
+        if self.link == workspace.bench.number() && self.link > 0 {
+            ui.add_space(6.0);
+            let why = "Opens what was recorded since the change, and leads to Diagnosis";
+            if ui.button("Diagnose from here").on_hover_text(why).clicked() {
+                let departure = Departure { link: self.link, onset_s: alarm.onset_s };
+                workspace.request(Request::Diagnose(departure));
+            }
+            return;
+        }
+        let Some(recording) = watched else { return };
         let Some(run) = since(&recording.about.name, alarm.onset_s, recording.samples.span_s()) else {
             return;
         };
@@ -228,6 +245,8 @@ impl WatchView {
         (self.overlay, self.problem, self.selected) = (None, None, None);
         self.episodes = Episodes::default();
         self.model.clone_from(&workspace.model().name);
+        let is_live = session.as_ref().is_some_and(|session| session.is_live);
+        self.link = if is_live { workspace.bench.number() } else { 0 };
         self.name = session.as_ref().map_or_else(String::new, |session| short(&session.name).to_owned());
         self.session = session;
     }

@@ -262,7 +262,7 @@ mod tests {
         let mut session = Session::start(&wake, task, model, source, Vec::new());
         let time_s: Vec<f64> = (0..300).map(|k| f64::from(k) * 1e-3).collect();
         let values = vec![0.0; time_s.len() * channels.len()];
-        let batch = Batch { time_s, step_s: 1e-3, after_setup: false, values };
+        let batch = Batch { time_s, step_s: 1e-3, after_setup: false, gaps: None, values };
         session.take(&Feed { channels: Arc::new(channels), batches: vec![Arc::new(batch)] });
         session.take(&Feed::default());
         let begin = Instant::now();

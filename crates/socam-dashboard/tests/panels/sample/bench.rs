@@ -6,6 +6,7 @@ use socam_chart::theme::Look;
 use socam_core::State;
 use socam_dashboard::{Dashboard, View, wake};
 use socam_workbench::about::Happening;
+use socam_workbench::device::Peer;
 use socam_workbench::link::{Bench, Health, News, link};
 use socam_workbench::queue::Batch;
 
@@ -13,7 +14,15 @@ use super::{channels, dashboard, run};
 
 /// A live view that is connected to a board that the test simulates.
 pub(crate) fn connected(look: Look) -> (Dashboard, Bench) {
-    let mut dashboard = dashboard(look, View::Live);
+    let (dashboard, bench) = linked(dashboard(look, View::Live));
+    let board = "virtual bench, firmware 1.0.0, at sim".into();
+    let limits = vec![Some(4.99), Some(149.2), Some(20.52), Some(4.8), Some(38.0)];
+    bench.news.send(News::Connected { peer: Peer::Board, board, channels: channels(), limits }).unwrap();
+    (dashboard, bench)
+}
+
+/// A live view whose link the test serves.
+pub(crate) fn linked(mut dashboard: Dashboard) -> (Dashboard, Bench) {
     let ends: Arc<Mutex<Option<Bench>>> = Arc::default();
     let theirs = ends.clone();
     dashboard.workspace.bench.connect_by(Box::new(move |_| {
@@ -23,9 +32,6 @@ pub(crate) fn connected(look: Look) -> (Dashboard, Bench) {
     }));
     dashboard.workspace.connect(wake(&egui::Context::default()));
     let bench = ends.lock().unwrap().take().unwrap();
-    let board = "virtual bench, firmware 1.0.0, at sim".into();
-    let limits = vec![Some(4.99), Some(149.2), Some(20.52), Some(4.8), Some(38.0)];
-    bench.news.send(News::Connected { board, channels: channels(), limits }).unwrap();
     (dashboard, bench)
 }
 
@@ -50,6 +56,7 @@ pub(crate) fn samples() -> Vec<Batch> {
         time_s: run.times(rows.clone()),
         step_s: 1e-3,
         after_setup,
+        gaps: None,
         values: rows.flat_map(row).collect(),
     };
     [(0..500, false), (650..5600, true), (6000..8000, false)].map(batch).into()
@@ -68,7 +75,7 @@ fn begun(look: Look) -> (Dashboard, Bench) {
     (dashboard, bench)
 }
 
-fn tell(bench: &Bench, time_s: f64, kind: &str, text: &str) {
+pub(super) fn tell(bench: &Bench, time_s: f64, kind: &str, text: &str) {
     bench.news.send(News::Event(Happening { time_s, kind: kind.into(), text: text.into() })).unwrap();
 }
 

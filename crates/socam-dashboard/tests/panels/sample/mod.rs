@@ -3,6 +3,7 @@
 pub(crate) mod bench;
 pub(crate) mod fleet;
 pub(crate) mod machine;
+pub(crate) mod source;
 
 mod tiles;
 mod troubled;
@@ -193,7 +194,7 @@ fn diagnosed(look: Look, over: Over) -> Dashboard {
 
 /// The states in which the views are looked at, by name: with data and without, with twelve recordings, with one sample, with long
 /// names, gaps, missing values and spikes, with something wrong.
-pub(crate) const STATES: [&str; 47] = [
+pub(crate) const STATES: [&str; 49] = [
     "time-bench",
     "time-formula",
     "response-decibel",
@@ -230,6 +231,8 @@ pub(crate) const STATES: [&str; 47] = [
     "live-empty",
     "live",
     "live-fault",
+    "live-text",
+    "live-drive",
     "watch",
     "fleet",
     "fleet-machine",
@@ -273,6 +276,8 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "live-empty" => dashboard(look, View::Live),
         "live" => bench::running(look),
         "live-fault" => bench::stopped(look),
+        "live-text" => source::text(look),
+        "live-drive" => source::drive(look),
         "watch" => with_runs(look, View::Watch, 2),
         "fleet" | "fleet-machine" | "fleet-findings" | "fleet-unfit" => fleet::showing(look, name),
         "fleet-empty" => dashboard(look, View::Fleet),

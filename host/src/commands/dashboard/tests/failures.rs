@@ -37,7 +37,7 @@ fn a_link_that_nobody_answers_is_given_up_at_once() {
     let silent = TcpListener::bind("127.0.0.1:0").unwrap();
     let mut window = window(&format!("tcp:{}", silent.local_addr().unwrap()), folder.path(), 1000.0);
     click(&mut window, "Connect");
-    window.get_by_label("asking the board who it is");
+    window.get_by_label("asking the device who it is, or listening to it");
     click(&mut window, "Cancel");
     window.get_by_label("Connect");
     window.get_by_label("no board");

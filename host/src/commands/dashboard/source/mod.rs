@@ -1,0 +1,199 @@
+//! A device other than the own board in the live view: a thread that listens to it or asks it, and records it when told to.
+//!
+//! No command leaves for it. A link that breaks is opened again until the window disconnects.
+
+mod opening;
+mod recording;
+mod shown;
+
+use std::sync::mpsc::TryRecvError;
+use std::time::{Duration, Instant};
+
+use socam_recording::Event;
+use socam_sources::Timeline;
+use socam_workbench::about::Happening;
+use socam_workbench::device::SourceState;
+use socam_workbench::link::{Bench, News, Order};
+
+use self::opening::Ready;
+use self::recording::{Header, Recording};
+use self::shown::Shown;
+use crate::commands::record::now_unix_ns;
+use crate::commands::record::opened::Opened;
+use crate::commands::record::source::SourceArgs;
+use crate::device::source::{Got, Link, Listener, Row, SourceAddress};
+
+/// Interval of the states that the window is told.
+const STATE_EVERY: Duration = Duration::from_millis(250);
+
+/// Opens a device, and attends to it until the window disconnects. `model`: text of the model that recordings get.
+pub(super) fn attend(
+    own: &Bench,
+    address: &SourceAddress,
+    args: &SourceArgs,
+    period_ns: i64,
+    model: String,
+) -> anyhow::Result<()> {
+    let mut link = Link::open(&address.place)?;
+    let opened_unix_ns = now_unix_ns();
+    let Ready { opened, peer, unstated } = opening::open(&mut link, address, args, period_ns)?;
+    let Opened { device, timeline, heard, description } = opened;
+    let name = address.to_string();
+    let channels = device.channels().to_vec();
+    let limits = vec![None; channels.len()];
+    let board = format!("{}, at {name}", device.kind());
+    let _ = own.news.send(News::Connected { peer, board, channels, limits });
+    let mut listener = Listener::new(link, device, timeline, name.clone());
+    let got = listener.begin(&heard);
+    let header = Header { name, opened_unix_ns, description, model, unstated };
+    let shown = Shown::new(own.samples.clone());
+    let mut live = Live { own, listener, header, shown, recording: None, told: None };
+    live.take(got);
+    let end = live.go_on();
+    live.end_recording(end.as_ref().err().map(|error| format!("{error:#}")));
+    end
+}
+
+/// A device that is attended to.
+struct Live<'a> {
+    own: &'a Bench,
+    listener: Listener,
+    header: Header,
+    shown: Shown,
+    recording: Option<Recording>,
+    /// When the window was told the state.
+    told: Option<Instant>,
+}
+
+impl Live<'_> {
+    fn tell(&self, news: News) {
+        let _ = self.own.news.send(news);
+    }
+
+    /// Attends to the device until the window disconnects, or the device can no longer be used.
+    fn go_on(&mut self) -> anyhow::Result<()> {
+        loop {
+            match self.own.orders.try_recv() {
+                Ok(Order::Disconnect) | Err(TryRecvError::Disconnected) => return Ok(()),
+                Ok(order) => self.obey(order),
+                Err(TryRecvError::Empty) => {}
+            }
+            // Nothing moves that a stop could stop.
+            self.own.presses.store(0, std::sync::atomic::Ordering::SeqCst);
+            let got = self.listener.turn()?;
+            self.take(got);
+            if self.recording.as_ref().is_some_and(Recording::has_failed) {
+                self.end_recording(None);
+            }
+            if self.told.is_none_or(|told| told.elapsed() > STATE_EVERY) {
+                self.told = Some(Instant::now());
+                self.tell(News::Source(self.state()));
+            }
+        }
+    }
+
+    fn obey(&mut self, order: Order) {
+        match order {
+            Order::Record { .. } if self.recording.is_some() => {}
+            Order::Record { path, note } => match self.header.begin(path, note, &self.listener) {
+                Ok(recording) => self.recording = Some(recording),
+                Err(sentence) => self.tell(News::Problem(sentence)),
+            },
+            Order::EndRecording => self.end_recording(None),
+            Order::Note(text) | Order::Alarm(text) if self.recording.is_none() => {
+                self.tell(News::Problem(format!("nothing is recorded, so that this is in no file: {text}")));
+            }
+            Order::Note(text) => self.happened("note", text),
+            Order::Alarm(text) => self.happened("alarm", text),
+            Order::Arm(_) | Order::Run | Order::ClearFault | Order::Connect(_) | Order::Disconnect => {}
+        }
+    }
+
+    fn take(&mut self, all: Vec<Got>) {
+        for got in all {
+            match got {
+                Got::Rows(rows) => {
+                    self.record(&rows);
+                    self.shown.take(rows);
+                }
+                Got::Broke => self.shown.interrupted(),
+                Got::Happened(kind, text) => self.happened(kind, text),
+            }
+        }
+    }
+
+    /// Hands rows to the recording; the first ones of a recording create its file.
+    fn record(&mut self, rows: &[Row]) {
+        let (Some(recording), Some(first)) = (&mut self.recording, rows.first()) else { return };
+        match recording.take(rows, self.listener.timeline.counts().damaged) {
+            Ok(false) => {}
+            Ok(true) => {
+                let (path, time_s) = (recording.path.clone(), self.shown.time_of(first));
+                self.tell(News::Began { path, planned_s: 0.0 });
+                let (kind, text) = ("start".into(), "the recording begins".into());
+                self.tell(News::Event(Happening { time_s, kind, text }));
+            }
+            Err(error) => {
+                self.recording = None;
+                self.tell(News::Problem(error));
+            }
+        }
+    }
+
+    /// Shows an event at the time of the latest sample, and records it.
+    fn happened(&mut self, kind: &str, text: String) {
+        if let Some(recording) = &mut self.recording {
+            recording.event(kind, text.clone());
+        }
+        self.tell(News::Event(Happening { time_s: self.shown.time_s(), kind: kind.into(), text }));
+    }
+
+    /// Closes the recording, if one is made. `reason`: why the device can no longer be used.
+    fn end_recording(&mut self, reason: Option<String>) {
+        let Some(mut recording) = self.recording.take() else { return };
+        if let Some(reason) = &reason {
+            recording.event("fault", reason.clone());
+        }
+        let path = recording.path.clone();
+        let (text, well) = recording.finish(&self.listener, reason);
+        self.tell(News::Ended { path, text, well });
+    }
+
+    fn state(&self) -> SourceState {
+        let timeline = &self.listener.timeline;
+        let counts = timeline.counts();
+        SourceState {
+            away: self.listener.away.clone(),
+            received: self.shown.received,
+            lost: self.shown.lost,
+            counted_by: timeline.counted_by(),
+            damaged: counts.damaged,
+            repeated: counts.repeated,
+            late: counts.late,
+            jumps: counts.jumps,
+            interruptions: self.listener.interruptions,
+            times: times(timeline),
+            recorded: self.recording.as_ref().map(Recording::counts),
+        }
+    }
+}
+
+/// Where times come from, and how uncertain they are.
+fn times(timeline: &Timeline) -> String {
+    match timeline.clock_map() {
+        Some(map) => format!(
+            "times by the device's clock, {:+.1} ppm against this computer's, within {:.3} ms",
+            map.drift * 1e6,
+            map.uncertainty_s * 1e3
+        ),
+        None if timeline.arrival_spread_s() > 0.0 => {
+            format!("times of arrival, within {:.1} ms", timeline.arrival_spread_s() * 1e3)
+        }
+        None => "the clocks are being compared".into(),
+    }
+}
+
+/// An event of a recording.
+fn event(device_time_ns: i64, kind: &str, text: String) -> Event {
+    Event { device_time_ns, kind: kind.into(), text }
+}
