@@ -33,7 +33,7 @@ const VERSION_NS: i64 = 50_000_000;
 const VERSION_ASKED: u8 = 3;
 /// Age, ns, at which a heartbeat says nothing any more; a drive sends one each 0.1 s unless told otherwise.
 const HEARTBEAT_NS: i64 = 500_000_000;
-/// Longest time without a frame of the node, ns: an adapter answers also where its bus is dead.
+/// Longest time without a row, ns: an adapter answers also where its bus is dead.
 const SILENT_NS: i64 = 10_000_000_000;
 /// Most numbers of other nodes that are kept for a message.
 const MOST_OTHERS: usize = 16;
@@ -58,8 +58,9 @@ pub struct OdriveCan {
     is_begun: bool,
     limits: Option<Limits>,
     trial: Trial,
-    /// Arrival of the last frame of the node, or the first poll.
-    frame_ns: Option<i64>,
+    /// Arrival of the last row, or the first poll, and whether a frame of the node has arrived since.
+    row_ns: Option<i64>,
+    is_heard: bool,
     /// Other nodes that were heard.
     others: BTreeSet<u32>,
     now_ns: i64,
@@ -120,7 +121,8 @@ impl OdriveCan {
             is_begun: false,
             limits: None,
             trial: Trial::Waiting,
-            frame_ns: None,
+            row_ns: None,
+            is_heard: false,
             others: BTreeSet::new(),
             now_ns: 0,
         })
@@ -139,10 +141,13 @@ impl OdriveCan {
             return;
         }
         match read(number, &frame.bytes, self.generation()) {
-            Err(problem) => heard.push(Heard::Damaged(problem)),
+            Err(problem) => {
+                self.is_heard = true;
+                heard.push(Heard::Damaged(problem));
+            }
             Ok(None) => {}
             Ok(Some(message)) => {
-                self.frame_ns = Some(arrival_ns);
+                self.is_heard = true;
                 self.take(message, arrival_ns, heard);
             }
         }
@@ -199,6 +204,7 @@ impl OdriveCan {
             kelvin(motor),
             error,
         ];
+        (self.row_ns, self.is_heard) = (Some(arrival_ns), false);
         heard.push(self.asking.answered(arrival_ns, values));
     }
 
@@ -241,6 +247,13 @@ impl OdriveCan {
     }
 
     fn silence(&self) -> SourceError {
+        let (node, waited_s) = (self.to.0, SILENT_NS / 1_000_000_000);
+        if self.is_heard {
+            let problem = format!(
+                "node {node} sends frames, and has not answered whole for {waited_s} s: is it an ODrive, and may questions (RTR) pass?"
+            );
+            return SourceError::Foreign(problem);
+        }
         let others: Vec<String> = self.others.iter().map(u32::to_string).collect();
         let heard = if others.is_empty() {
             "no frame of any node arrives: is the bus running, is the bit rate right, and is it terminated?"
@@ -251,8 +264,7 @@ impl OdriveCan {
                 others.join(", ")
             )
         };
-        let problem =
-            format!("node {} has said nothing for {} s; {heard}", self.to.0, SILENT_NS / 1_000_000_000);
+        let problem = format!("node {node} has said nothing for {waited_s} s; {heard}");
         SourceError::Foreign(problem)
     }
 }
@@ -363,7 +375,7 @@ impl Device for OdriveCan {
 
     fn poll(&mut self, now_ns: i64, out: &mut Vec<u8>) -> Result<Option<i64>> {
         self.now_ns = now_ns;
-        if now_ns - *self.frame_ns.get_or_insert(now_ns) > SILENT_NS {
+        if now_ns - *self.row_ns.get_or_insert(now_ns) > SILENT_NS {
             return Err(self.silence());
         }
         let flags_ns = self.adapter.poll(now_ns, out);
