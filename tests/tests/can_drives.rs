@@ -97,8 +97,10 @@ fn an_odrive_on_a_bus_follows_a_profile_once_it_is_armed() {
         let profile = bench.path("profile.toml");
         let armed = [&["--profile", &profile], &LIMITS[..]].concat();
         let refused = bench.record("odrive+", 3, &armed);
-        assert!(refused.refusal(2).contains("nothing was sent: add --arm"), "{refused:?}");
-        assert!(refused.stderr.contains("CAN Simple reads no settings back"), "{refused:?}");
+        assert_eq!(refused.code, Some(2), "{refused:?}");
+        for said in ["nothing was sent: add --arm", "CAN Simple reads no settings back"] {
+            assert!(refused.stderr.contains(said), "{refused:?}");
+        }
         assert!(bench.bus.lock().unwrap().adapter.commands.is_empty());
         let ran = bench.record("odrive+", 3, &[&armed[..], &["--arm", "--rate", "200"]].concat());
         assert!(ran.code == Some(0) && ran.stdout.contains("\"end\": \"finished\""), "{ran:?}");
@@ -152,13 +154,73 @@ fn a_drive_with_canopen_is_recorded_by_its_list_and_never_commanded() {
         assert!(ran.code == Some(0) && ran.stdout.contains("\"damaged\": 0"), "{ran:?}");
         let data = bench.recorded().load(&["speed", "torque", "status"]).unwrap();
         let [speed, torque, status] = [0, 1, 2].map(|column: usize| data.columns[column].values());
-        assert!(speed.len() > 150 && torque.iter().all(|torque| *torque == 0.25), "{}", speed.len());
+        assert!(speed.len() > 100 && torque.iter().all(|torque| *torque == 0.25), "{}", speed.len());
         let known: Vec<_> = speed.iter().zip(status).filter(|(speed, _)| !speed.is_nan()).collect();
-        assert!(10 * known.len() > 8 * speed.len(), "{} of {}", known.len(), speed.len());
+        assert!(2 * known.len() > speed.len(), "{} of {}", known.len(), speed.len());
         assert!(known.iter().all(|(speed, status)| (*speed - 12.5).abs() < 0.006 && **status == 567.0));
         let info = run(["info", "--json", &bench.path("run.mcap")]).stdout;
         assert!(info.contains("device.toml") && info.contains("the drive is enabled"), "{info}");
         assert!(bench.bus.lock().unwrap().sent.iter().all(|frame| frame.bytes[0] == 0x40));
+    });
+}
+
+/// A bus behind an adapter that sends what it likes.
+fn hostile(device: &str, bytes: &[u8], more: &[&str]) -> (Ran, bool) {
+    let (mut line, theirs) = TTYPort::pair().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (log, list, dbc) = (path("run.mcap"), path("objects.toml"), path("bus.dbc"));
+    std::fs::write(&list, OBJECTS).unwrap();
+    let text = "VERSION \"\"\n\nBU_: A\n\nBO_ 257 M: 2 A\n SG_ speed : 0|16@1- (1,0) [0|0] \"rad/s\" A\n";
+    std::fs::write(&dbc, text).unwrap();
+    let device = device.replace("LINE", &theirs.name().unwrap());
+    let more: Vec<&str> = more
+        .iter()
+        .map(|word| [&list[..], &dbc, word][["LIST", "DBC"].iter().position(|w| w == word).unwrap_or(2)])
+        .collect();
+    let is_over = AtomicBool::new(false);
+    let ran = std::thread::scope(|scope| {
+        let _ending = Ending(&is_over);
+        scope.spawn(|| {
+            line.set_timeout(Duration::from_millis(1)).unwrap();
+            while !is_over.load(Ordering::Relaxed) {
+                let _ = line.read(&mut [0; 4096]);
+                let _ = line.write(bytes);
+            }
+        });
+        run(["record", "-o", &log, "--device", &device].iter().chain(&more))
+    });
+    (ran, std::path::Path::new(&log).exists())
+}
+
+/// Each is refused in one sentence, without a panic and without a file.
+#[test]
+fn hostile_nodes_and_adapters_are_refused_in_one_sentence() {
+    let noise: Vec<u8> =
+        (0..1_u32 << 10).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8 | 0x80).collect();
+    let odrive = "odrive+slcan:LINE?bitrate=1M&node=3";
+    let canopen = "canopen+slcan:LINE?bitrate=1M&node=5";
+    let cases: [(&str, &[u8], &[&str], &str); 7] = [
+        ("slcan:LINE?bitrate=1M", &noise, &["--dbc", "DBC"], "what arrives is not slcan"),
+        ("slcan:LINE?bitrate=1M", b"t7FF101\r", &["--dbc", "DBC"], "is in the DBC, but 7FF ("),
+        // Another node, nothing but heartbeats, a flood without a line end, and numbers that are none.
+        (odrive, b"t04180000000001000000\r", &[], "frames like those of nodes 2 arrive"),
+        (odrive, b"t06180000000001000000\r", &[], "node 3 sends frames, and has not answered whole for 10 s"),
+        (odrive, &[b'A'; 1000], &[], "has said nothing for 10 s"),
+        (odrive, b"t06980000C07F0000C07F\r", &[], "node 3 sends frames, and has not answered whole for 10 s"),
+        // Answers of SDO to other questions.
+        (canopen, b"t58584300100012345678\r", &["--describe", "LIST"], "node 5 does not answer"),
+    ];
+    std::thread::scope(|scope| {
+        for (device, bytes, more, sentence) in cases {
+            scope.spawn(move || {
+                let (ran, is_written) = hostile(device, bytes, more);
+                // What is damaged is warned of before.
+                let is_said = ran.stderr.lines().last().is_some_and(|line| line.contains(sentence));
+                assert!(ran.code == Some(1) && is_said, "{device} {sentence}: {ran:?}");
+                assert!(!ran.stderr.contains("panicked") && !is_written, "{device} {sentence}");
+            });
+        }
     });
 }
 

@@ -50,7 +50,7 @@ const AHEAD_NS: i64 = 1_000_000_000;
 const LATE_ROWS: u32 = 16;
 /// Most rows that are lost at once; a larger step of the device's number is a jump of it.
 const MOST_LOST: u64 = 1_000_000;
-/// Longest tick of a device's clock, ns of the host's: a clock that stands still for longer has stopped.
+/// Longest tick of a device's clock, ns of the host's: a clock that shows the same time in [`LATE_ROWS`] rows beyond it has stopped.
 const TICK_NS: i64 = 250_000_000;
 /// Longest time by which a row may be overtaken, ns.
 const OVERTAKEN_NS: i64 = 1_000_000_000;
@@ -63,8 +63,9 @@ pub struct Timeline {
     wrap_s: Option<f64>,
     last: Option<Last>,
     late_in_a_row: u32,
-    /// Arrival of the first row of the device's present tick, and whether its clock has stopped since.
+    /// Arrival of the first row of the device's present tick, rows that came long after it, and whether its clock has stopped.
     tick_ns: i64,
+    still_rows: u32,
     is_stopped: bool,
     period: Period,
     lags: Lags,
@@ -106,6 +107,7 @@ impl Timeline {
             last: None,
             late_in_a_row: 0,
             tick_ns: 0,
+            still_rows: 0,
             is_stopped: false,
             period: Period::default(),
             lags: Lags::default(),
@@ -168,7 +170,9 @@ impl Timeline {
             self.late_in_a_row = 0;
         }
         if row.device_s != last.device_s {
-            (self.tick_ns, self.is_stopped) = (row.arrival_ns, false);
+            (self.tick_ns, self.still_rows, self.is_stopped) = (row.arrival_ns, 0, false);
+        } else if row.arrival_ns.saturating_sub(self.tick_ns) > TICK_NS {
+            self.still_rows = self.still_rows.saturating_add(1);
         }
         match step {
             Step::Repeated => {
@@ -228,7 +232,7 @@ impl Timeline {
         let step_ns = (step_s * 1e9).round() as i64;
         match step_ns {
             0 if self.numbers(row, last).is_none_or(|passed| passed == 0) => Step::Repeated,
-            0 if row.arrival_ns.saturating_sub(self.tick_ns) > TICK_NS => Step::Stopped,
+            0 if self.still_rows >= LATE_ROWS => Step::Stopped,
             // A clock coarser than the sampling: the rows share its tick.
             0 => Step::By(1000),
             ..0 => Step::Backward(-step_ns),

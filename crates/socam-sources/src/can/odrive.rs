@@ -4,6 +4,7 @@
 //! answers, because they are measured as they are sent. Heartbeats are never asked for: firmware 0.5 only sends them by itself.
 
 mod message;
+mod obeying;
 mod trial;
 
 use std::collections::BTreeSet;
@@ -17,23 +18,18 @@ use super::slcan::CanFrame;
 use crate::ZERO_CELSIUS_K;
 use crate::asking::Asking;
 use crate::device::{Chunk, Device, Heard, Numbering};
-use crate::drive::{Drive, Limits, Order, Readiness, Standing, Watched};
+use crate::drive::{Drive, Limits, Order};
 use crate::error::{Result, SourceError};
 use crate::odrive::Generation;
 use message::{LARGEST_NODE, Message, To, node_and_number, read};
 use trial::Trial;
 
-/// States of an axis: idle, and obeying.
-const IDLE: u8 = 1;
-const CLOSED_LOOP: u8 = 8;
 /// Questions between those for temperatures.
 const TEMPERATURES_EVERY: u64 = 20;
 /// Time for an answer about the firmware, which only 0.6 gives, and how often it is asked for.
 const VERSION_NS: i64 = 50_000_000;
 const VERSION_ASKED: u8 = 3;
-/// Age, ns, at which a heartbeat says nothing any more; a drive sends one each 0.1 s unless told otherwise.
-const HEARTBEAT_NS: i64 = 500_000_000;
-/// Longest time without a frame of the node, ns: an adapter answers also where its bus is dead.
+/// Longest time without a row, ns: an adapter answers also where its bus is dead.
 const SILENT_NS: i64 = 10_000_000_000;
 /// Most numbers of other nodes that are kept for a message.
 const MOST_OTHERS: usize = 16;
@@ -58,8 +54,9 @@ pub struct OdriveCan {
     is_begun: bool,
     limits: Option<Limits>,
     trial: Trial,
-    /// Arrival of the last frame of the node, or the first poll.
-    frame_ns: Option<i64>,
+    /// Arrival of the last row, or the first poll, and whether a frame of the node has arrived since.
+    row_ns: Option<i64>,
+    is_heard: bool,
     /// Other nodes that were heard.
     others: BTreeSet<u32>,
     now_ns: i64,
@@ -120,7 +117,8 @@ impl OdriveCan {
             is_begun: false,
             limits: None,
             trial: Trial::Waiting,
-            frame_ns: None,
+            row_ns: None,
+            is_heard: false,
             others: BTreeSet::new(),
             now_ns: 0,
         })
@@ -139,10 +137,13 @@ impl OdriveCan {
             return;
         }
         match read(number, &frame.bytes, self.generation()) {
-            Err(problem) => heard.push(Heard::Damaged(problem)),
+            Err(problem) => {
+                self.is_heard = true;
+                heard.push(Heard::Damaged(problem));
+            }
             Ok(None) => {}
             Ok(Some(message)) => {
-                self.frame_ns = Some(arrival_ns);
+                self.is_heard = true;
                 self.take(message, arrival_ns, heard);
             }
         }
@@ -199,6 +200,7 @@ impl OdriveCan {
             kelvin(motor),
             error,
         ];
+        (self.row_ns, self.is_heard) = (Some(arrival_ns), false);
         heard.push(self.asking.answered(arrival_ns, values));
     }
 
@@ -241,6 +243,13 @@ impl OdriveCan {
     }
 
     fn silence(&self) -> SourceError {
+        let (node, waited_s) = (self.to.0, SILENT_NS / 1_000_000_000);
+        if self.is_heard {
+            let problem = format!(
+                "node {node} sends frames, and has not answered whole for {waited_s} s: is it an ODrive, and may questions (RTR) pass?"
+            );
+            return SourceError::Foreign(problem);
+        }
         let others: Vec<String> = self.others.iter().map(u32::to_string).collect();
         let heard = if others.is_empty() {
             "no frame of any node arrives: is the bus running, is the bit rate right, and is it terminated?"
@@ -251,91 +260,8 @@ impl OdriveCan {
                 others.join(", ")
             )
         };
-        let problem =
-            format!("node {} has said nothing for {} s; {heard}", self.to.0, SILENT_NS / 1_000_000_000);
+        let problem = format!("node {node} has said nothing for {waited_s} s; {heard}");
         SourceError::Foreign(problem)
-    }
-}
-
-impl Drive for OdriveCan {
-    fn watched(&self) -> Watched {
-        // Positions of an ODrive may begin anew after a turn.
-        Watched { speed: 1, effort: 2, position: None }
-    }
-
-    fn limit(&mut self, limits: Limits) {
-        self.limits = Some(limits);
-    }
-
-    fn order(&mut self, order: Order) {
-        self.order = order;
-        if order == Order::Prepare {
-            self.trial.begin(self.now_ns);
-        }
-    }
-
-    fn bytes(&self, order: Order) -> Vec<u8> {
-        let to = self.to;
-        let mut lines = match (order, self.limits) {
-            (Order::Speed(speed_rad_s), Some(_)) => {
-                // The speed is set before the axis obeys, which is requested once: an axis that switches itself off stays off.
-                let state = if self.is_begun { Vec::new() } else { to.state(CLOSED_LOOP) };
-                [to.velocity(speed_rad_s / TAU), state].concat()
-            }
-            (Order::Stop, _) => to.state(IDLE),
-            (Order::Prepare, Some(limits)) => {
-                [to.clear_errors(), to.settings(limits.speed_rad_s / TAU, limits.effort), to.velocity(0.0)]
-                    .concat()
-            }
-            // Its modes and limits cannot be read, so they cannot be put back; no speed is left behind.
-            (Order::Release, Some(_)) => to.velocity(0.0),
-            (Order::Ask | Order::Speed(_) | Order::Prepare | Order::Release, _) => Vec::new(),
-        };
-        lines.extend(to.sample());
-        if self.generation() == Generation::Late && self.questions.is_multiple_of(TEMPERATURES_EVERY) {
-            lines.extend(to.temperatures());
-        }
-        lines
-    }
-
-    fn standing(&self) -> Standing {
-        let silent = || Standing::Other("silent about its state: it sends no heartbeats".into());
-        if self.has_rival {
-            return Standing::Fault("another program on the bus commands this ODrive".into());
-        }
-        let Some((arrival_ns, error, state)) = self.heartbeat else { return silent() };
-        let is_expiry = error == self.generation().watchdog() && self.trial.expects_expiry();
-        match state {
-            _ if self.now_ns.saturating_sub(arrival_ns) > HEARTBEAT_NS => silent(),
-            _ if error != 0 && !is_expiry => Standing::Fault(self.fault_text(error)),
-            IDLE => Standing::Stopped,
-            CLOSED_LOOP => Standing::Obeying,
-            state => Standing::Other(format!("in state {state}")),
-        }
-    }
-
-    fn readiness(&self) -> Readiness {
-        match &self.trial {
-            Trial::Passed => Readiness::Ready,
-            Trial::Failed(why) => Readiness::Refused(why.clone()),
-            _ => Readiness::Pending,
-        }
-    }
-
-    fn promises(&self) -> [Vec<String>; 2] {
-        let Some(Limits { speed_rad_s, effort, watchdog_s, .. }) = self.limits else {
-            return Default::default();
-        };
-        [
-            vec![
-                format!("The axis is told a speed limit of {speed_rad_s} rad/s and a current limit of {effort} A; the run ends where it states more."),
-                format!("Its own watchdog is tried at standstill: it is commanded only if that acts within {watchdog_s} s of silence."),
-            ],
-            vec![
-                "CAN Simple reads no settings back: whether the axis took these limits is not known, they replace lower ones of its own, and they and the speed mode stay until it is restarted.".into(),
-                "A motor that is switched off coasts, by the watchdog as at the end: nothing brakes it, and a weight falls.".into(),
-            ],
-        ]
     }
 }
 
@@ -363,7 +289,7 @@ impl Device for OdriveCan {
 
     fn poll(&mut self, now_ns: i64, out: &mut Vec<u8>) -> Result<Option<i64>> {
         self.now_ns = now_ns;
-        if now_ns - *self.frame_ns.get_or_insert(now_ns) > SILENT_NS {
+        if now_ns - *self.row_ns.get_or_insert(now_ns) > SILENT_NS {
             return Err(self.silence());
         }
         let flags_ns = self.adapter.poll(now_ns, out);

@@ -58,7 +58,7 @@ impl Stamp {
     pub(super) fn seconds(self) -> (f64, f64) {
         match self {
             Self::Ms(ms) => (f64::from(ms) * 1e-3, f64::from(WRAP_MS) * 1e-3),
-            Self::Us(us) => (f64::from(us) * 1e-6, 4294.967_296),
+            Self::Us(us) => (f64::from(us) * 1e-6, 4_294.967_296),
         }
     }
 }

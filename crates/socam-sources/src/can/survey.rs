@@ -133,6 +133,8 @@ impl Heard {
                 Said::Remote => {}
             });
         }
+        // Bytes without an end of a line are none of an adapter either.
+        heard.damaged += usize::from(stream.interrupt() && !heard.has_answered);
         heard
     }
 

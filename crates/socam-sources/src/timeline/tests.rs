@@ -68,6 +68,22 @@ fn late_repeated_and_restarted_rows_are_told_apart() {
 }
 
 #[test]
+fn a_clock_that_stands_still_is_one_jump_and_the_hosts_goes_on() {
+    let mut timeline = Timeline::new(Numbering::Numbered(0), None);
+    let mut place = |k: u64, stood: bool| {
+        let t = 0.01 * k as f64;
+        at(timeline.place(&row(Some(if stood { 1.0 } else { t }), Some(k), 5.0 + t)))
+    };
+    (0..100).for_each(|k| assert!(!place(k, false).2));
+    let stopped: Vec<_> = (100..300).map(|k| place(k, true)).collect();
+    assert_eq!(stopped.iter().filter(|placed| placed.2).count(), 1);
+    // From when it is noticed on, rows are as far apart as they arrive.
+    assert!((stopped[199].0 - stopped[99].0 - 1.0).abs() < 1e-6, "{stopped:?}");
+    assert!(place(300, false).2 && !place(301, false).2);
+    assert_eq!(timeline.counts().jumps, 2);
+}
+
+#[test]
 fn a_clock_that_wraps_goes_on() {
     let wrap_s = 4_294.967_296;
     let mut timeline = Timeline::new(Numbering::Clock, Some(wrap_s));

@@ -18,6 +18,8 @@ use crate::output;
 const STATUS_EVERY_NS: i64 = 1_000_000_000;
 /// Longest time for which a device may be gone or silent.
 const GONE_NS: i64 = 10_000_000_000;
+/// Longest time for which a device may send no sample, ns; one that knows why says so before.
+const NO_SAMPLE_NS: i64 = 12_000_000_000;
 /// Interval at which a link that broke is opened again.
 const REOPEN_EVERY: Duration = Duration::from_millis(200);
 /// Time for which a link that broke is tried for a stop.
@@ -93,6 +95,7 @@ impl Run<'_> {
         interrupt: &Interrupt,
     ) -> anyhow::Result<SourceEnd> {
         let mut heard_ns = link.now_ns();
+        let mut row_ns = heard_ns;
         let (mut poll_ns, mut outgoing) = (Some(0), Vec::new());
         while !self.is_over {
             if interrupt.count() > self.stops {
@@ -124,7 +127,17 @@ impl Run<'_> {
                 Ok(Some(arrived)) => {
                     heard_ns = link.now_ns();
                     poll_ns = poll_ns.map(|_| heard_ns);
-                    self.take(&arrived)?;
+                    if self.take(&arrived)? {
+                        row_ns = heard_ns;
+                    } else if heard_ns - row_ns > NO_SAMPLE_NS {
+                        let silence = format!(
+                            "what {} sends has held no sample for {} s: {}",
+                            self.plan.name,
+                            NO_SAMPLE_NS / 1_000_000_000,
+                            self.damage.unwrap_or("it is none of this device")
+                        );
+                        return Ok(SourceEnd::Gone(silence));
+                    }
                 }
                 Ok(None) if link.now_ns() - heard_ns > GONE_NS => {
                     let silence =
@@ -142,6 +155,7 @@ impl Run<'_> {
                         return Ok(SourceEnd::Gone(format!("the link to {} broke: {error}", self.plan.name)));
                     }
                     heard_ns = link.now_ns();
+                    row_ns = heard_ns;
                 }
             }
             if let Some(event) = self.watch.as_ref().and_then(LiveWatch::event) {
@@ -172,9 +186,11 @@ impl Run<'_> {
         )
     }
 
-    fn take(&mut self, arrived: &Arrived) -> anyhow::Result<()> {
+    /// Takes what arrived; says whether a sample was in it.
+    fn take(&mut self, arrived: &Arrived) -> anyhow::Result<bool> {
         let mut heard = Vec::new();
         self.device.receive(arrived.chunk(), &mut heard);
+        let is_sample = heard.iter().any(|one| matches!(one, Heard::Row(_)));
         let mut rows: Vec<(i64, u64, Vec<f64>)> = Vec::new();
         for one in heard {
             match one {
@@ -235,7 +251,7 @@ impl Run<'_> {
         if self.time_ns - self.status_ns >= STATUS_EVERY_NS {
             self.status();
         }
-        Ok(())
+        Ok(is_sample)
     }
 
     /// Creates the file at the first sample, whose time of day it states.

@@ -128,7 +128,7 @@ impl Discovery {
         let width = (entry & 0xff) as usize;
         if let Some(index) = objects.all.iter().position(|object| object.place == place) {
             let object = &objects.all[index];
-            if width != 8 * object.number.width() || bits % 8 != 0 {
+            if width != 8 * object.number.width() || !bits.is_multiple_of(8) {
                 let problem = format!(
                     "the drive sends {} with {width} bits from bit {bits} of a PDO; line {} of the list says {} bits: correct its type",
                     object.name(),

@@ -1,0 +1,96 @@
+//! An ODrive on a CAN bus as a drive that obeys orders.
+
+use std::f64::consts::TAU;
+
+use super::trial::Trial;
+use super::{OdriveCan, TEMPERATURES_EVERY};
+use crate::drive::{Drive, Limits, Order, Readiness, Standing, Watched};
+use crate::odrive::Generation;
+
+/// States of an axis: idle, and obeying.
+const IDLE: u8 = 1;
+const CLOSED_LOOP: u8 = 8;
+/// Age, ns, at which a heartbeat says nothing any more; a drive sends one each 0.1 s unless told otherwise.
+const HEARTBEAT_NS: i64 = 500_000_000;
+
+impl Drive for OdriveCan {
+    fn watched(&self) -> Watched {
+        // Positions of an ODrive may begin anew after a turn.
+        Watched { speed: 1, effort: 2, position: None }
+    }
+
+    fn limit(&mut self, limits: Limits) {
+        self.limits = Some(limits);
+    }
+
+    fn order(&mut self, order: Order) {
+        self.order = order;
+        if order == Order::Prepare {
+            self.trial.begin(self.now_ns);
+        }
+    }
+
+    fn bytes(&self, order: Order) -> Vec<u8> {
+        let to = self.to;
+        let mut lines = match (order, self.limits) {
+            (Order::Speed(speed_rad_s), Some(_)) => {
+                // The speed is set before the axis obeys, which is requested once: an axis that switches itself off stays off.
+                let state = if self.is_begun { Vec::new() } else { to.state(CLOSED_LOOP) };
+                [to.velocity(speed_rad_s / TAU), state].concat()
+            }
+            (Order::Stop, _) => to.state(IDLE),
+            (Order::Prepare, Some(limits)) => {
+                [to.clear_errors(), to.settings(limits.speed_rad_s / TAU, limits.effort), to.velocity(0.0)]
+                    .concat()
+            }
+            // Its modes and limits cannot be read, so they cannot be put back; no speed is left behind.
+            (Order::Release, Some(_)) => to.velocity(0.0),
+            (Order::Ask | Order::Speed(_) | Order::Prepare | Order::Release, _) => Vec::new(),
+        };
+        lines.extend(to.sample());
+        if self.generation() == Generation::Late && self.questions.is_multiple_of(TEMPERATURES_EVERY) {
+            lines.extend(to.temperatures());
+        }
+        lines
+    }
+
+    fn standing(&self) -> Standing {
+        let silent = || Standing::Other("silent about its state: it sends no heartbeats".into());
+        if self.has_rival {
+            return Standing::Fault("another program on the bus commands this ODrive".into());
+        }
+        let Some((arrival_ns, error, state)) = self.heartbeat else { return silent() };
+        let is_expiry = error == self.generation().watchdog() && self.trial.expects_expiry();
+        match state {
+            _ if self.now_ns.saturating_sub(arrival_ns) > HEARTBEAT_NS => silent(),
+            _ if error != 0 && !is_expiry => Standing::Fault(self.fault_text(error)),
+            IDLE => Standing::Stopped,
+            CLOSED_LOOP => Standing::Obeying,
+            state => Standing::Other(format!("in state {state}")),
+        }
+    }
+
+    fn readiness(&self) -> Readiness {
+        match &self.trial {
+            Trial::Passed => Readiness::Ready,
+            Trial::Failed(why) => Readiness::Refused(why.clone()),
+            _ => Readiness::Pending,
+        }
+    }
+
+    fn promises(&self) -> [Vec<String>; 2] {
+        let Some(Limits { speed_rad_s, effort, watchdog_s, .. }) = self.limits else {
+            return Default::default();
+        };
+        [
+            vec![
+                format!("The axis is told a speed limit of {speed_rad_s} rad/s and a current limit of {effort} A; the run ends where it states more."),
+                format!("Its own watchdog is tried at standstill: it is commanded only if that acts within {watchdog_s} s of silence."),
+            ],
+            vec![
+                "CAN Simple reads no settings back: whether the axis took these limits is not known, they replace lower ones of its own, and they and the speed mode stay until it is restarted.".into(),
+                "A motor that is switched off coasts, by the watchdog as at the end: nothing brakes it, and a weight falls.".into(),
+            ],
+        ]
+    }
+}
