@@ -104,6 +104,8 @@ fn a_running_recording_is_published_to_fast_and_slow_clients() {
         });
         let mut publishing = Publishing::start(&name, &first, &address, &["--duration", "10s"]);
         let _slow = subscribe(&address);
+        // The second and a half that the first one listened to before are published at once.
+        std::thread::sleep(Duration::from_secs(1));
         let ran = record(&format!("foxglove:{address}?topics=/socam/sample"), &second, &["--duration", "3s"]);
         let copy = document(&ran);
         assert_eq!((&copy["end"], &copy["damaged"]), (&"finished".into(), &0.into()), "{ran:?}");

@@ -11,6 +11,7 @@
 //! Protocol: `docs/spec.md` of github.com/foxglove/ws-protocol. `foxglove.sdk.v1`, which the bridges of today ask for, has the same messages as
 //! `foxglove.websocket.v1` where they are used here.
 
+mod channel;
 mod connection;
 mod device;
 mod publisher;

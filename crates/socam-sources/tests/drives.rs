@@ -133,6 +133,9 @@ fn a_dynamixel_is_recorded_in_the_units_of_its_model() {
     assert!(heard.contains(&Heard::Damaged("the checksum of a packet is wrong")));
 }
 
+/// What a bus answers to bytes at a time, s.
+type Answer<'b> = Box<dyn FnMut(f64, &[u8]) -> Vec<u8> + 'b>;
+
 /// Several servos are one row; one that is unplugged leaves missing values, and the others stay.
 #[test]
 fn servos_of_one_bus_are_recorded_by_one_question() {
@@ -143,7 +146,7 @@ fn servos_of_one_bus_are_recorded_by_one_question() {
     // The third Feetech counts its speed in 50 steps a second, and measures no current.
     feetechs[2].phase = 0x20;
     let (mut first, mut second) = (0, 0);
-    let mut bus: [(Servos, usize, Box<dyn FnMut(f64, &[u8]) -> Vec<u8>>); 2] = [
+    let mut bus: [(Servos, usize, Answer<'_>); 2] = [
         (
             dynamixel::servos(&ids, PERIOD_NS).unwrap(),
             6,

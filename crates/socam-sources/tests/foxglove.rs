@@ -106,7 +106,7 @@ fn a_client_without_a_known_subprotocol_is_refused() {
 fn joint_state(k: i64) -> Vec<u8> {
     let mut cdr = vec![0, 1, 0, 0];
     let pad = |cdr: &mut Vec<u8>, to: usize| {
-        while (cdr.len() - 4) % to != 0 {
+        while !(cdr.len() - 4).is_multiple_of(to) {
             cdr.push(0);
         }
     };

@@ -98,7 +98,7 @@ pub(super) fn open_tcp(address: &str) -> anyhow::Result<TcpStream> {
                     _ => error.to_string(),
                 };
                 refusal = anyhow!(
-                    "cannot connect to tcp:{address}: {reason}; is the board (or `virtual-board`) running?"
+                    "cannot connect to tcp:{address}: {reason}; is the board (or `virtual-board`, or the device's server) running?"
                 );
             }
         }

@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use base64::Engine as _;
-use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value as Json, json};
 use socam_import::{LiveMessages, MessageNumber};
 use tungstenite::Message as Frame;
 
 use super::MESSAGE_DATA;
+use super::channel::Channel;
 use super::socket::Socket;
 use crate::device::Chunk;
 use crate::error::{Result, SourceError};
@@ -40,16 +39,6 @@ pub enum Said {
     Damaged(&'static str),
     /// A note for people, and whether it is a warning.
     Note(String, bool),
-}
-
-/// A channel that the server has.
-#[derive(Debug)]
-struct Channel {
-    topic: String,
-    encoding: String,
-    schema_name: String,
-    schema_encoding: String,
-    schema: String,
 }
 
 /// A topic that is recorded.
@@ -169,11 +158,14 @@ impl Connection {
             && self.topics.iter().all(|topic| topic.channel.is_some()))
     }
 
-    /// Chooses the only topic of the server that can be recorded.
+    /// Chooses the only topic of the server that can be recorded, once it has said what it has.
     ///
     /// # Errors
     /// When there are others, which are named.
     pub fn choose(&mut self) -> Result<()> {
+        if !self.is_greeted {
+            return Ok(());
+        }
         let readable: Vec<&Channel> =
             self.channels.values().filter(|channel| channel.decoder().is_ok()).collect();
         let &[only] = &readable[..] else {
@@ -305,35 +297,4 @@ fn head(bytes: &[u8]) -> Option<((u32, u64), &[u8])> {
     let (id, rest) = bytes.split_first_chunk::<4>()?;
     let (time, data) = rest.split_first_chunk::<8>()?;
     Some(((u32::from_le_bytes(*id), u64::from_le_bytes(*time)), data))
-}
-
-impl Channel {
-    fn read(json: &Json) -> Option<(u64, Self)> {
-        let text = |key: &str| json[key].as_str().unwrap_or_default().to_owned();
-        let channel = Self {
-            topic: text("topic"),
-            encoding: text("encoding"),
-            schema_name: text("schemaName"),
-            schema_encoding: text("schemaEncoding"),
-            schema: text("schema"),
-        };
-        Some((json["id"].as_u64()?, channel))
-    }
-
-    /// What decodes its messages, or why nothing does.
-    fn decoder(&self) -> std::result::Result<LiveMessages, String> {
-        // Servers that state no language use that which goes with the encoding.
-        let language = match (self.schema_encoding.as_str(), self.encoding.as_str()) {
-            ("", "cdr") => "ros2msg",
-            ("", encoding) => encoding,
-            (language, _) => language,
-        };
-        let schema = match language {
-            "protobuf" | "flatbuffer" => BASE64_STANDARD
-                .decode(&self.schema)
-                .map_err(|_| format!("its schema `{}` is no base64", self.schema_name))?,
-            _ => self.schema.clone().into_bytes(),
-        };
-        LiveMessages::new(&self.encoding, &self.schema_name, language, schema)
-    }
 }

@@ -3,7 +3,7 @@
 use std::io::{self, Read, Write};
 
 use tungstenite::handshake::client::ClientHandshake;
-use tungstenite::handshake::server::{ErrorResponse, Request, Response, ServerHandshake};
+use tungstenite::handshake::server::{ErrorResponse, Request, Response, ServerHandshake, write_response};
 use tungstenite::handshake::{HandshakeError, MidHandshake};
 use tungstenite::http::HeaderValue;
 use tungstenite::http::header::SEC_WEBSOCKET_PROTOCOL;
@@ -110,7 +110,13 @@ impl Socket {
             Stage::Answering(answering) => match answering.handshake() {
                 Ok(open) => Stage::Open(Box::new(open)),
                 Err(HandshakeError::Interrupted(answering)) => Stage::Answering(answering),
-                Err(HandshakeError::Failure(error)) => return Err(words(&error)),
+                Err(HandshakeError::Failure(error)) => {
+                    // The refusal is lost with the stream, and written once more.
+                    if let Error::Http(response) = &error {
+                        let _ = write_response(self.outgoing(), response);
+                    }
+                    return Err(words(&error));
+                }
             },
             other => other,
         };

@@ -52,6 +52,11 @@ impl Signal {
         }
     }
 
+    /// Its name without that of its topic.
+    fn last_name(&self) -> &str {
+        self.name.rsplit('/').next().unwrap_or_default()
+    }
+
     pub(super) fn has_no_name(&self) -> bool {
         self.name.starts_with("column ")
     }
@@ -80,7 +85,7 @@ impl Signal {
     /// Whether it counts rows.
     pub(super) fn is_number(&self) -> bool {
         let ones = self.values.windows(2).filter(|pair| pair[1].0 - pair[0].0 == 1.0).count();
-        let is_named = NUMBERS.contains(&plain_name(&self.name).as_str()) || self.has_no_name();
+        let is_named = NUMBERS.contains(&plain_name(self.last_name()).as_str()) || self.has_no_name();
         let is_counting = 10 * ones >= 9 * self.values.len().saturating_sub(1) && self.values.len() >= FEWEST;
         is_named && is_counting && self.values.iter().all(|(value, _)| *value >= 0.0)
     }
