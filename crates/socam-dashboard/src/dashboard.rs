@@ -223,11 +223,15 @@ impl Dashboard {
             .show(ui, |ui| {
                 self.bar(ui);
             });
+        // Settings of the layout that other views show and change, too.
+        self.workspace.spectra = self.views.time.spectra;
+        self.workspace.units.clone_from(&self.views.time.units);
         self.views.get(self.layout.view).bar(ui, &mut self.workspace);
         crate::layout::set_free(&ctx, ui.available_rect_before_wrap());
         self.messages(ui);
         self.rail(ui);
         self.views.get(self.layout.view).ui(ui, &mut self.workspace, &mut self.seen);
+        self.views.time.spectra = self.workspace.spectra;
         if let Some(image) = chart::take_picture(&ctx) {
             self.workspace.request(match raster::png(&image) {
                 Ok(bytes) => Request::SaveAs(Purpose::SavePicture, "plot.png".into(), Content::Bytes(bytes)),
@@ -260,6 +264,10 @@ impl Dashboard {
                 Request::SaveAs(purpose, name, content) => {
                     self.content = Some(content);
                     self.ask(ctx, purpose, &name);
+                }
+                Request::FitRange(range_s) => {
+                    self.workspace.setup.range_s = Some(range_s);
+                    self.layout.view = View::Identify;
                 }
                 Request::Signal(profile) if !platform::HAS_BENCH => {
                     self.put(Path::new("next.toml"), Ok(profile.to_toml().into_bytes()));

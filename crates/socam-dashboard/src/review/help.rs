@@ -17,6 +17,10 @@ pub(super) const HELP: Help = &[
         "cursors A and B, set in turns by clicks; the table below has values and differences",
     ),
     ("Zoom to A..B; Z", "shows what is between the cursors"),
+    (
+        "Fit this range",
+        "Identify and Diagnosis read only what is between the cursors, else what is in sight, of each recording; their set-up says so and takes it back",
+    ),
     ("Events", "shows or hides the marks of notes, stops, faults and parts of the profile"),
     (
         "Add",
