@@ -26,6 +26,7 @@ pub(crate) enum Command {
     Copy,
     Paste,
     Show(View),
+    OwnWindow,
     Theme,
     Larger,
     Smaller,
@@ -41,7 +42,7 @@ const VIEWS: [Key; 9] =
     [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
 /// Commands besides the views with their texts and keys, in the order of the menus.
-const COMMANDS: [(Command, &str, Modifiers, Key); 21] = [
+const COMMANDS: [(Command, &str, Modifiers, Key); 22] = [
     (Command::NewSignal, "New input signal", CTRL, Key::N),
     (Command::Open, "Open...", CTRL, Key::O),
     (Command::SaveSignal, "Save input signal...", CTRL, Key::S),
@@ -58,6 +59,7 @@ const COMMANDS: [(Command, &str, Modifiers, Key); 21] = [
     (Command::Cut, "Cut input signal", CTRL, Key::X),
     (Command::Copy, "Copy input signal", CTRL, Key::C),
     (Command::Paste, "Paste input signal", CTRL, Key::V),
+    (Command::OwnWindow, "This view in a window of its own", CTRL_SHIFT, Key::O),
     (Command::Theme, "Light or dark", CTRL_SHIFT, Key::L),
     (Command::Larger, "Larger", CTRL, Key::Plus),
     (Command::Smaller, "Smaller", CTRL, Key::Minus),
@@ -83,6 +85,7 @@ impl Command {
             Self::Cut,
             Self::Copy,
             Self::Paste,
+            Self::OwnWindow,
         ];
         HAS_BENCH || !of_the_desktop.contains(&self)
     }

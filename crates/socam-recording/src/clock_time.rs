@@ -40,6 +40,16 @@ impl Epoch {
         }
     }
 
+    /// Time of day at time 0, s since midnight.
+    ///
+    /// ```
+    /// assert_eq!(socam_recording::Epoch::Date(1_777_644_200_000_000_000).of_day_s(), 50_600.0);
+    /// ```
+    #[must_use]
+    pub fn of_day_s(self) -> f64 {
+        self.ns().rem_euclid(DAY_NS) as f64 / SECOND_NS
+    }
+
     /// Date and time of day, or the time of day alone, at a time of the recording, to the microsecond.
     #[must_use]
     pub fn clock_time(self, time_s: f64) -> String {

@@ -18,6 +18,7 @@ impl Dashboard {
             Command::SaveRecording => is_any_shown,
             Command::Simulate => self.workspace.simulate.is_some() && is_any_shown,
             Command::ExportAnimation => self.layout.view == View::Machine && self.views.machine.can_film(),
+            Command::OwnWindow => !self.is_apart(self.layout.view),
             Command::CloseAll => !self.workspace.entries.is_empty(),
             Command::Undo => self.has_history() || self.workspace.signal.history()[0],
             Command::Redo => self.has_history() || self.workspace.signal.history()[1],
@@ -69,6 +70,7 @@ impl Dashboard {
                 self.layout.view = View::Live;
             }
             Command::Show(view) => self.layout.view = view,
+            Command::OwnWindow => self.set_apart(),
             Command::Theme => {
                 self.layout.look = if self.layout.look == Look::Light { Look::Dark } else { Look::Light };
                 self.layout.look_is_chosen = true;

@@ -1,6 +1,7 @@
 //! Recordings over time: plots in tiles, all with the same time axis, and two cursors.
 
 mod align;
+mod clock;
 mod content;
 mod cursors;
 mod derive;
@@ -98,6 +99,7 @@ struct Drawing<'a> {
     drawn: Vec<Signal>,
     /// The time axis, s.
     x: [f64; 2],
+    time_axis: clock::TimeAxis,
     seen: &'a mut Vec<Seen>,
     /// Requests to the window.
     requests: Vec<Request>,
@@ -265,6 +267,7 @@ impl Review {
                 signals: &signals,
                 drawn,
                 x,
+                time_axis: clock::axis(entries, self.clock_time),
                 seen,
                 requests: Vec::new(),
                 bars,

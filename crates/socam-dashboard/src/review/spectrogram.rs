@@ -79,7 +79,7 @@ impl Review {
             let spectra = &mut self.spectra;
             let text = format!("{}, {}", spectra.window.name(), length_text(spectra.length));
             let menu = ui.menu_button(text, |ui| {
-                choices::window(ui, spectra);
+                choices::rows(ui, spectra);
             });
             let said = "Window of the spectrogram";
             menu.response.widget_info(|| WidgetInfo::labeled(Role::Button, true, said));
@@ -96,7 +96,8 @@ impl Review {
             part.max_rect().size(),
         );
         chart.x = drawing.x;
-        chart.x_label = if has_axis { "time, s".into() } else { String::new() };
+        chart.scales[0] = drawing.time_axis.scale;
+        chart.x_label = if has_axis { drawing.time_axis.label.clone() } else { String::new() };
         chart.when_empty = "no spectrogram yet";
         chart.stack = Some(super::stack());
         if let Some((entry, samples, channel)) = first {

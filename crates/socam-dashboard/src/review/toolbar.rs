@@ -145,6 +145,10 @@ impl Review {
                 self.choose_reference(ui, entries);
             }
             super::units::menu(ui, &mut self.units, signals);
+            if super::clock::is_known(entries) {
+                let button = ui.toggle_value(&mut self.clock_time, "Time of day");
+                button.on_hover_text("Times of day on the time axis, as the recording states them");
+            }
             wanted = self.fit_button(ui);
             hint(ui);
         });

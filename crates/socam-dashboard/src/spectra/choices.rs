@@ -1,6 +1,6 @@
 //! The choices of how spectra are made.
 
-use egui::{ComboBox, Ui};
+use egui::{ComboBox, Role, Ui, WidgetInfo};
 use socam_spectrum::{Detrend, Window};
 use socam_workbench::spectrum_settings::{LONGEST, OVERLAPS, SpectrumSettings};
 
@@ -38,6 +38,38 @@ pub(crate) fn window(ui: &mut Ui, settings: &mut SpectrumSettings) {
                     .on_hover_text(taken(detrend));
             }
         })
+    });
+}
+
+/// The same as rows of a menu, which a click closes.
+pub(crate) fn rows(ui: &mut Ui, settings: &mut SpectrumSettings) {
+    row(ui, "Window", &mut settings.window, Window::ALL, |window| (window.name().to_owned(), meaning(window)));
+    let lengths = [None, Some(64), Some(256), Some(1024), Some(4096), Some(16_384)];
+    row(ui, "of", &mut settings.length, lengths, |length| (length_text(length), "Samples of a window"));
+    row(ui, "without", &mut settings.detrend, [Detrend::Mean, Detrend::Line, Detrend::Nothing], |detrend| {
+        (off(detrend).to_owned(), taken(detrend))
+    });
+}
+
+fn row<T: Copy + PartialEq, const N: usize>(
+    ui: &mut Ui,
+    label: &str,
+    chosen: &mut T,
+    all: [T; N],
+    words: impl Fn(T) -> (String, &'static str),
+) {
+    ui.horizontal(|ui| {
+        ui.label(label);
+        for one in all {
+            let (name, meaning) = words(one);
+            let is_chosen = *chosen == one;
+            let choice = ui.selectable_label(is_chosen, &name);
+            let said = format!("{label} {name}");
+            choice.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, is_chosen, &said));
+            if choice.on_hover_text(meaning).clicked() {
+                *chosen = one;
+            }
+        }
     });
 }
 
