@@ -43,7 +43,9 @@ pub(crate) fn window(ui: &mut Ui, settings: &mut SpectrumSettings) {
 
 /// The same as rows of a menu, which a click closes.
 pub(crate) fn rows(ui: &mut Ui, settings: &mut SpectrumSettings) {
-    row(ui, "Window", &mut settings.window, Window::ALL, |window| (window.name().to_owned(), meaning(window)));
+    row(ui, "Window", &mut settings.window, Window::ALL, |window| {
+        (window.name().to_owned(), meaning(window))
+    });
     let lengths = [None, Some(64), Some(256), Some(1024), Some(4096), Some(16_384)];
     row(ui, "of", &mut settings.length, lengths, |length| (length_text(length), "Samples of a window"));
     row(ui, "without", &mut settings.detrend, [Detrend::Mean, Detrend::Line, Detrend::Nothing], |detrend| {
