@@ -2,6 +2,7 @@
 
 pub(super) mod axes;
 mod box_zoom;
+mod clock;
 mod empty;
 mod grid;
 pub mod hover;
@@ -130,6 +131,8 @@ pub struct Seen {
 
 /// Height of the horizontal axis with its numbers and label, points.
 pub const X_AXIS: f32 = 34.0;
+/// Label of an axis of seconds that shows times of day, in exports.
+const SECONDS: &str = "time, s";
 /// Height of the title, points.
 const TITLE_STRIP: f32 = 20.0;
 /// Opacity of curves beside a highlighted one.
@@ -256,7 +259,11 @@ impl Chart {
         });
         let seen = |chart: Self, ranges| Seen {
             title: chart.title,
-            x_label: chart.x_label,
+            x_label: if matches!(chart.scales[0], Scale::Clock { .. }) {
+                SECONDS.into()
+            } else {
+                chart.x_label
+            },
             ranges,
             scales: chart.scales,
             curves: chart.curves,

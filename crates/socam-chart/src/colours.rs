@@ -73,6 +73,7 @@ impl Colours {
         }
         painter.add(Shape::mesh(mesh));
         let [low, high] = self.range;
+        let mut end = bar.right();
         if high > low {
             let least = 14.0 * (high - low) / f64::from(bar.height().max(1.0));
             let [_, step, _] = axes::steps(GridInput { bounds: (low, high), base_step_size: least }, 2.0);
@@ -83,7 +84,8 @@ impl Colours {
                 let ends = [bar.top() + 6.0, (bar.bottom() - 6.0).max(bar.top() + 6.0)];
                 let at = pos2(bar.right() + 5.0, height(self.share(value)).clamp(ends[0], ends[1]));
                 let text = axes::number(GridMark { value, step_size: step });
-                painter.text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.0), theme::weak(ui));
+                let font = FontId::proportional(11.0);
+                end = end.max(painter.text(at, Align2::LEFT_CENTER, text, font, theme::weak(ui)).right());
             }
         }
         let colour = ui.visuals().text_color();
@@ -99,7 +101,8 @@ impl Colours {
         } else {
             lay(crate::chart::hover::unit(&self.label), 9.0)
         };
-        let at = pos2(frame.right() + ROOM - label.size().y, frame.center().y + 0.5 * label.size().x);
+        let x = (end + 6.0).min(frame.right() + ROOM - label.size().y);
+        let at = pos2(x, frame.center().y + 0.5 * label.size().x);
         painter.add(TextShape::new(at, label, colour).with_angle(-std::f32::consts::FRAC_PI_2));
     }
 }

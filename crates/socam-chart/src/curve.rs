@@ -39,11 +39,16 @@ impl Flag {
 }
 
 /// The scale of an axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Scale {
     /// Linear.
     #[default]
     Linear,
+    /// Linear seconds on a horizontal axis, with times of day as its numbers. Exports have the seconds.
+    Clock {
+        /// Time of day at 0, s since midnight.
+        at_zero_s: f64,
+    },
     /// Logarithmic: values of curves are drawn by their decimal logarithms; values that are not positive are left out.
     Log,
 }

@@ -103,7 +103,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).ok_or("say into which folder")?);
     std::fs::create_dir_all(&folder)?;
     let samples = samples();
-    let cells = spectrogram(&samples, 2, [0.0, 20.0], (400, 256), &Handle::default())?;
+    let cells = spectrogram(
+        &samples,
+        2,
+        [0.0, 20.0],
+        (400, socam_spectrum::welch::Welch::new(256)),
+        &Handle::default(),
+    )?;
     for (look, name) in [(theme::Look::Light, "light"), (theme::Look::Dark, "dark")] {
         let ctx = egui::Context::default();
         theme::apply(&ctx, look);

@@ -18,9 +18,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|wanted| wanted == name);
     for name in sample::STATES.into_iter().filter(|name| is_wanted(name)) {
         for (look, of_look) in [(Look::Light, "light"), (Look::Dark, "dark")] {
-            for size in [[640.0, 480.0], [1280.0, 800.0], [2560.0, 1440.0]] {
+            // The last one is a screen of 3840 by 2160 pixels.
+            for (size, scale) in [([800.0, 600.0], 1.0), ([1280.0, 800.0], 1.0), ([2560.0, 1440.0], 1.5)] {
                 let Some(mut dashboard) = sample::state(name, look) else { continue };
-                let image = picture(&mut dashboard, Viewport { size, scale: 1.0 }, Duration::from_secs(60))?;
+                let image = picture(&mut dashboard, Viewport { size, scale }, Duration::from_secs(60))?;
                 std::fs::write(
                     folder.join(format!("{name}-{of_look}-{}.png", size[0] as u32)),
                     raster::png(&image)?,

@@ -1,12 +1,14 @@
 //! The drawing of a model by [`socam_model::drawing`] in a window: its colours, and its shapes at a place and a size.
 
+use std::sync::Arc;
+
 use egui::{
     Align2, Color32, FontId, Pos2, Rect, Shape as Painted, Stroke, StrokeKind, Ui, Vec2, epaint::RectShape,
     pos2, vec2,
 };
 use socam_chart::theme;
 use socam_model::Model;
-use socam_model::drawing::{Drawing, Item, Paint, Point, Shape, Style};
+use socam_model::drawing::{Drawing, Item, Paint, PlaceMark, Point, Shape, Style};
 use socam_model::layout::Layout;
 
 /// Greatest width of a column, points.
@@ -43,6 +45,39 @@ pub(crate) fn style(model: &Model, width: f64) -> Style {
     let margins = Drawing::of(model, &[], style).size[0] - style.column_width * columns as f64;
     let column_width = ((width - margins) / columns as f64).clamp(NARROWEST, WIDEST);
     Style { column_width, ..style }
+}
+
+/// The drawing of a model, which is made anew when the model, its marks or its width change.
+#[derive(Debug, Default)]
+pub(crate) struct Kept(Option<Known>);
+
+/// A drawing, and what it was made of: the text of the model's file, marks, and width.
+#[derive(Debug)]
+struct Known {
+    text: String,
+    marks: Vec<(String, PlaceMark)>,
+    width: f64,
+    drawing: Arc<Drawing>,
+}
+
+impl Kept {
+    /// The drawing with these marks for a part of the window so many points wide.
+    pub(crate) fn get(&mut self, model: &Model, marks: &[(&str, PlaceMark)], width: f64) -> Arc<Drawing> {
+        let is_it = |known: &Known| {
+            let names = known.marks.iter().map(|(name, mark)| (name.as_str(), *mark));
+            known.text == model.text && known.width == width && names.eq(marks.iter().copied())
+        };
+        match &self.0 {
+            Some(known) if is_it(known) => known.drawing.clone(),
+            _ => {
+                let drawing = Arc::new(Drawing::of(model, marks, style(model, width)));
+                let marks = marks.iter().map(|(name, mark)| ((*name).to_owned(), *mark)).collect();
+                let known = Known { text: model.text.clone(), marks, width, drawing: drawing.clone() };
+                self.0 = Some(known);
+                drawing
+            }
+        }
+    }
 }
 
 /// The colours of the drawing.

@@ -29,6 +29,7 @@ pub(crate) enum Command {
     Copy,
     Paste,
     Show(View),
+    OwnWindow,
     Theme,
     Larger,
     Smaller,
@@ -44,7 +45,7 @@ const VIEWS: [Key; 9] =
     [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
 /// Commands besides the views with their texts and keys, in the order of the menus.
-const COMMANDS: [(Command, &str, Modifiers, Key); 24] = [
+const COMMANDS: [(Command, &str, Modifiers, Key); 25] = [
     (Command::NewSignal, "New input signal", CTRL, Key::N),
     (Command::NewModel, "New model...", CTRL_SHIFT, Key::N),
     (Command::Open, "Open...", CTRL, Key::O),
@@ -64,6 +65,7 @@ const COMMANDS: [(Command, &str, Modifiers, Key); 24] = [
     (Command::Cut, "Cut input signal", CTRL, Key::X),
     (Command::Copy, "Copy input signal", CTRL, Key::C),
     (Command::Paste, "Paste input signal", CTRL, Key::V),
+    (Command::OwnWindow, "This view in a window of its own", CTRL_SHIFT, Key::O),
     (Command::Theme, "Light or dark", CTRL_SHIFT, Key::L),
     (Command::Larger, "Larger", CTRL, Key::Plus),
     (Command::Smaller, "Smaller", CTRL, Key::Minus),
@@ -91,6 +93,7 @@ impl Command {
             Self::Cut,
             Self::Copy,
             Self::Paste,
+            Self::OwnWindow,
         ];
         HAS_BENCH || !of_the_desktop.contains(&self)
     }

@@ -4,6 +4,7 @@ mod commands;
 mod frame;
 mod menu;
 mod opening;
+mod own_windows;
 mod rail;
 
 use std::path::{Path, PathBuf};
@@ -58,6 +59,8 @@ pub struct Dashboard {
     content: Option<Content>,
     /// The window that explains each control.
     pub help: help::Window,
+    /// Views that have a window of their own.
+    apart: Vec<View>,
     /// Rectangle of the emergency stop in the last frame, points.
     stop_button: egui::Rect,
     /// The file that the picture of this pass is written to.
@@ -97,6 +100,7 @@ impl Dashboard {
             notices: Vec::new(),
             content: None,
             help: help::Window::default(),
+            apart: Vec::new(),
             stop_button: egui::Rect::NOTHING,
             exporting: None,
             own: platform::Own::default(),
@@ -250,16 +254,23 @@ impl Dashboard {
             .show(ui, |ui| {
                 self.bar(ui);
             });
-        self.views.get(self.layout.view).bar(ui, &mut self.workspace);
+        // Settings of the layout that other views show and change, too.
+        self.workspace.spectra = self.views.time.spectra;
+        self.workspace.units.clone_from(&self.views.time.units);
+        let is_here = !self.is_apart(self.layout.view);
+        if is_here {
+            self.views.get(self.layout.view).bar(ui, &mut self.workspace);
+        }
         crate::layout::set_free(&ctx, ui.available_rect_before_wrap());
         self.rail(ui);
-        self.views.get(self.layout.view).ui(ui, &mut self.workspace, &mut self.seen);
-        if let Some(image) = chart::take_picture(&ctx) {
-            self.workspace.request(match raster::png(&image) {
-                Ok(bytes) => Request::SaveAs(Purpose::SavePicture, "plot.png".into(), Content::Bytes(bytes)),
-                Err(sentence) => Request::Warn(sentence),
-            });
+        if is_here {
+            self.views.get(self.layout.view).ui(ui, &mut self.workspace, &mut self.seen);
+        } else {
+            self.elsewhere(ui);
         }
+        self.keep_picture(&ctx);
+        self.own_windows(&ctx);
+        self.views.time.spectra = self.workspace.spectra;
         self.answer_requests(&ctx);
         self.messages(&ctx);
         self.dialogs(&ctx);
@@ -273,6 +284,16 @@ impl Dashboard {
         self.layout.panels = crate::layout::panels(&ctx);
         self.layout.plots = self.views.time.arrangement();
         self.export(&ctx);
+    }
+
+    /// Saves the picture of a chart that was asked for.
+    fn keep_picture(&mut self, ctx: &egui::Context) {
+        if let Some(image) = chart::take_picture(ctx) {
+            self.workspace.request(match raster::png(&image) {
+                Ok(bytes) => Request::SaveAs(Purpose::SavePicture, "plot.png".into(), Content::Bytes(bytes)),
+                Err(sentence) => Request::Warn(sentence),
+            });
+        }
     }
 
     fn answer_requests(&mut self, ctx: &egui::Context) {
@@ -291,6 +312,10 @@ impl Dashboard {
                 Request::SaveAs(purpose, name, content) => {
                     self.content = Some(content);
                     self.ask(ctx, purpose, &name);
+                }
+                Request::FitRange(range_s) => {
+                    self.workspace.setup.range_s = Some(range_s);
+                    self.layout.view = View::Identify;
                 }
                 Request::Signal(profile) if !platform::HAS_BENCH => {
                     self.put(Path::new("next.toml"), Ok(profile.to_toml().into_bytes()));

@@ -19,6 +19,10 @@ const FRAME: [(&str, Help); 2] = [
             ),
             ("a view's name", "shows that view"),
             (
+                "This view in a window of its own; Back to the main window; Show it here",
+                "of the menu View: the view that is shown gets a window beside this one, with an emergency stop, until it is closed",
+            ),
+            (
                 "Watch: ...",
                 "the state of the watch, in every view and in the window's title: not judged, as usual, or its alarms; a click shows the watch",
             ),

@@ -13,6 +13,7 @@ mod headless;
 mod layout;
 mod model_choice;
 mod progress;
+mod together;
 mod view;
 
 pub mod check;

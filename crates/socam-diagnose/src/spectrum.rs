@@ -1,7 +1,7 @@
 //! Power spectra of residuals and the frequencies that stand out in them.
 
 use socam_identify::comparison::Traces;
-use socam_spectrum::Welch;
+use socam_spectrum::{Detrend, Welch};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Largest number of samples of one segment.
@@ -35,7 +35,7 @@ pub(crate) fn power(values: &[f64], step_s: f64) -> (Vec<f64>, Vec<f64>) {
         return (Vec::new(), Vec::new());
     }
     let present: Vec<f64> = values.iter().map(|value| if value.is_nan() { 0.0 } else { *value }).collect();
-    let mut welch = Welch::new(length).with_mean();
+    let mut welch = Welch::new(length).with_detrend(Detrend::Nothing);
     welch.add_run([&present]);
     welch.finish(step_s).map_or((Vec::new(), Vec::new()), |spectra| {
         ((0..spectra.lines()).map(|line| spectra.frequency_hz(line)).collect(), spectra.density(0))

@@ -38,6 +38,7 @@ mod apart;
 mod builtin;
 pub mod drawing;
 mod edit;
+mod edit_channels;
 mod edit_laws;
 mod edit_parameters;
 pub mod effects;

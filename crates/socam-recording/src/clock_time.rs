@@ -3,6 +3,7 @@
 use jiff::Timestamp;
 use jiff::civil::{DateTime, Time};
 use jiff::tz::TimeZone;
+use serde::{Deserialize, Serialize};
 
 const SECOND_NS: f64 = 1e9;
 const DAY_NS: i128 = 86_400_000_000_000;
@@ -18,7 +19,7 @@ pub(crate) const UNIX_TIME_S: f64 = 1e8;
 /// assert_eq!(Epoch::Date(1_777_644_200_000_000_000).clock_time(0.25), "2026-05-01 14:03:20.25");
 /// assert_eq!(Epoch::Midnight.clock_time(50_600.25), "14:03:20.25");
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Epoch {
     /// Nanoseconds since 1970: in UTC where the format counts from 1970, else by the clock face of which the file holds the date and time.
     Date(i64),
@@ -37,6 +38,16 @@ impl Epoch {
             Self::Date(ns) => ns.into(),
             Self::Midnight => 0,
         }
+    }
+
+    /// Time of day at time 0, s since midnight.
+    ///
+    /// ```
+    /// assert_eq!(socam_recording::Epoch::Date(1_777_644_200_000_000_000).of_day_s(), 50_600.0);
+    /// ```
+    #[must_use]
+    pub fn of_day_s(self) -> f64 {
+        self.ns().rem_euclid(DAY_NS) as f64 / SECOND_NS
     }
 
     /// Date and time of day, or the time of day alone, at a time of the recording, to the microsecond.

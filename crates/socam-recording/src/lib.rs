@@ -87,7 +87,7 @@ pub use output_file::OutputFile;
 pub use profile_file::{ProfileFile, Waveform};
 pub use run_names::expand;
 pub use segments::{GAP_STEPS, Segment};
-pub use selection::{Selection, Span};
+pub use selection::{Selection, Span, named_part, without_part};
 pub use settings::{Fields, SettingsError, read as read_settings};
 pub use socam_units::Unit;
 pub use statistics::Statistics;

@@ -205,14 +205,43 @@ impl Selection {
         if let Some(clock) = &self.clock {
             return format!("{path}@{}", clock.text);
         }
-        if self.span == Span::ALL {
-            return path;
-        }
-        let end = |s: f64| {
-            if s.is_finite() { s.to_string() } else { String::new() }
-        };
-        format!("{path}@{}..{}", end(self.span.from_s), end(self.span.to_s))
+        with_span(&path, self.span)
     }
+}
+
+/// A name with a span behind it; the name alone for [`Span::ALL`].
+fn with_span(name: &str, span: Span) -> String {
+    if span == Span::ALL {
+        return name.to_owned();
+    }
+    let end = |s: f64| {
+        if s.is_finite() { s.to_string() } else { String::new() }
+    };
+    format!("{name}@{}..{}", end(span.from_s), end(span.to_s))
+}
+
+/// The name of a recording without its part: `run.csv` of `run.csv@2..8`.
+///
+/// ```
+/// assert_eq!(socam_recording::without_part("run.csv@2..8"), "run.csv");
+/// assert_eq!(socam_recording::without_part("a@b/run.csv"), "a@b/run.csv");
+/// ```
+#[must_use]
+pub fn without_part(name: &str) -> &str {
+    split(name).0
+}
+
+/// The name of a part of a recording by seconds of its own time, in the place of a part that it names already.
+///
+/// ```
+/// use socam_recording::{Span, named_part};
+///
+/// assert_eq!(named_part("run.csv@2..8", Span { from_s: 3.0, to_s: f64::INFINITY }), "run.csv@3..");
+/// assert_eq!(named_part("run.csv", Span::ALL), "run.csv");
+/// ```
+#[must_use]
+pub fn named_part(name: &str, span: Span) -> String {
+    with_span(without_part(name), span)
 }
 
 impl std::str::FromStr for Selection {

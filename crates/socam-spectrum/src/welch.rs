@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use realfft::{RealToComplex, num_complex::Complex};
 
-use crate::{fourier::forward, spectra::Spectra};
+use crate::{Detrend, Window, fourier::forward, spectra::Spectra};
 
-/// Averages the spectra of `N` simultaneous signals over segments of one length with a Hann window.
+/// Averages the spectra of `N` simultaneous signals over segments of one length.
 ///
-/// Segments may come from anywhere in the signals: those of [`Self::add_run`] overlap by half, [`Self::add`] takes any segment. The mean of
-/// each segment is removed unless [`Self::with_mean`] is set. A segment with a value that is not finite is left out.
+/// Segments may come from anywhere in the signals: those of [`Self::add_run`] overlap, by half unless [`Self::with_overlap`] says
+/// otherwise; [`Self::add`] takes any segment. They are weighted by a Hann window after their mean is removed, unless
+/// [`Self::with_window`] and [`Self::with_detrend`] say otherwise. A segment with a value that is not finite is left out.
 ///
 /// ```
 /// use socam_spectrum::Welch;
@@ -30,7 +31,7 @@ pub struct Welch<const N: usize = 1> {
     fft: Arc<dyn RealToComplex<f64>>,
     window: Vec<f64>,
     hop: usize,
-    keeps_mean: bool,
+    detrend: Detrend,
     input: Vec<f64>,
     /// Transforms of the present segment.
     lines: [Vec<Complex<f64>>; N],
@@ -52,12 +53,11 @@ impl<const N: usize> Welch<N> {
     pub fn new(length: usize) -> Self {
         let length = length.max(1);
         let fft = forward(length);
-        let turn = std::f64::consts::TAU / length as f64;
         let empty = fft.make_output_vec();
         Self {
-            window: (0..length).map(|k| 0.5 - 0.5 * (turn * (k as f64 + 0.5)).cos()).collect(),
+            window: Window::default().weights(length),
             hop: (length / 2).max(1),
-            keeps_mean: false,
+            detrend: Detrend::default(),
             input: vec![0.0; length],
             power: std::array::from_fn(|_| vec![0.0; empty.len()]),
             cross: std::array::from_fn(|_| empty.clone()),
@@ -73,10 +73,33 @@ impl<const N: usize> Welch<N> {
         Self { hop: self.length(), ..self }
     }
 
-    /// Keeps the mean of each segment.
+    /// Makes neighbouring segments overlap by this share of their length, 0 to below 1.
     #[must_use]
-    pub fn with_mean(self) -> Self {
-        Self { keeps_mean: true, ..self }
+    pub fn with_overlap(self, share: f64) -> Self {
+        let apart = (self.length() as f64 * (1.0 - share)).round() as usize;
+        Self { hop: apart.clamp(1, self.length()), ..self }
+    }
+
+    /// Weights each segment by this window.
+    #[must_use]
+    pub fn with_window(self, window: Window) -> Self {
+        Self { window: window.weights(self.length()), ..self }
+    }
+
+    /// Takes this off each segment.
+    #[must_use]
+    pub fn with_detrend(self, detrend: Detrend) -> Self {
+        Self { detrend, ..self }
+    }
+
+    /// Factor by which the variance of a density grows because segments overlap, relative to as many independent segments: 1 plus twice
+    /// the squared correlations of the windows of a segment and of all later ones (P. D. Welch, 1967, of many segments of white noise).
+    fn variance_factor(&self) -> f64 {
+        let product =
+            |apart: usize| self.window.iter().zip(&self.window[apart..]).map(|(a, b)| a * b).sum::<f64>();
+        let of_one = product(0);
+        let others = (self.hop..self.length()).step_by(self.hop);
+        1.0 + 2.0 * others.map(|apart| (product(apart) / of_one).powi(2)).sum::<f64>()
     }
 
     /// Number of samples of a segment.
@@ -111,9 +134,12 @@ impl<const N: usize> Welch<N> {
         }
         for (signal, lines) in signals.iter().zip(&mut self.lines) {
             let signal = &signal[..length];
-            let mean = if self.keeps_mean { 0.0 } else { signal.iter().sum::<f64>() / length as f64 };
-            for ((input, value), weight) in self.input.iter_mut().zip(signal).zip(&self.window) {
-                *input = (value - mean) * weight;
+            let [mean, slope] = self.detrend.of(signal);
+            let first = mean - 0.5 * slope * (length - 1) as f64;
+            for (k, ((input, value), weight)) in
+                self.input.iter_mut().zip(signal).zip(&self.window).enumerate()
+            {
+                *input = (value - first - slope * k as f64) * weight;
             }
             // The transform fails only for buffers of a wrong length, and these have the right length.
             if self.fft.process(&mut self.input, lines).is_err() {
@@ -143,11 +169,13 @@ impl<const N: usize> Welch<N> {
             let empty = vec![Complex::new(0.0, 0.0); self.cross[signal].len()];
             std::mem::replace(&mut self.cross[signal], empty)
         });
-        let weight: f64 = self.window.iter().map(|weight| weight * weight).sum();
+        let squares: f64 = self.window.iter().map(|weight| weight * weight).sum();
+        let sum: f64 = self.window.iter().sum();
         (segments > 0).then(|| Spectra {
             step_hz: 1.0 / (sample_time_s * self.length() as f64),
-            density_per_sum: 2.0 * sample_time_s / (weight * segments as f64),
-            overlaps: self.hop < self.length(),
+            density_per_sum: 2.0 * sample_time_s / (squares * segments as f64),
+            noise_lines: self.length() as f64 * squares / (sum * sum),
+            variance_factor: self.variance_factor(),
             segments,
             power,
             cross,

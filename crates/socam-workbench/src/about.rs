@@ -1,7 +1,7 @@
 //! The name, channels, events and facts of a recording, without its samples.
 
 use serde::{Deserialize, Serialize};
-use socam_recording::{Channel, Dataset};
+use socam_recording::{Channel, Dataset, Epoch};
 
 /// The data of a recording besides its samples.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -23,6 +23,9 @@ pub struct About {
     /// Whether it is cut off or damaged, or lacks samples.
     #[serde(default)]
     pub is_incomplete: bool,
+    /// What the clock showed at time 0; `None` where nothing states it.
+    #[serde(default)]
+    pub epoch: Option<Epoch>,
 }
 
 /// Words in the warning of a recording whose file does not state all units.
@@ -70,6 +73,7 @@ pub fn about(data: &Dataset) -> About {
         sample_time_s: data.sample_time_s(),
         lost_samples: data.lost_samples(),
         is_incomplete: !data.is_complete(),
+        epoch: data.epoch(),
     }
 }
 

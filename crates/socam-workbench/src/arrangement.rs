@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::derivation::Derivation;
 use crate::display_units::DisplayUnits;
 use crate::signal::Signal;
+use crate::spectrum_settings::SpectrumSettings;
 
 /// Schema of a layout's file.
 pub const SCHEMA: &str = "socam.layout/1";
@@ -33,6 +34,12 @@ pub struct Arrangement {
     /// Units in which channels are shown.
     #[serde(default, skip_serializing_if = "DisplayUnits::is_si")]
     pub units: DisplayUnits,
+    /// How spectra and spectrograms are made.
+    #[serde(default, skip_serializing_if = "SpectrumSettings::are_usual")]
+    pub spectra: SpectrumSettings,
+    /// Whether the time axis has clock times, where a recording states them.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub clock_time: bool,
 }
 
 impl Default for Arrangement {
@@ -44,6 +51,8 @@ impl Default for Arrangement {
             hidden: BTreeSet::new(),
             derived: Vec::new(),
             units: DisplayUnits::default(),
+            spectra: SpectrumSettings::default(),
+            clock_time: false,
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use socam_findings::Diagnosis;
+use socam_recording::without_part;
 
 use crate::view::View;
 pub use crate::watch::Tone;
@@ -94,7 +95,10 @@ impl Rail {
         let mut verdict = answer.verdict.clone();
         let is_about = answer.recordings.is_empty()
             || shown.is_empty()
-            || answer.recordings.iter().any(|own| shown.contains(&own.as_str()));
+            // A fit may have read a part of a recording that is open.
+            || answer.recordings.iter().any(|own| {
+                shown.iter().any(|name| without_part(name) == without_part(own))
+            });
         if let Verdict::Done { words, tone } = &mut verdict
             && !is_about
         {
@@ -116,6 +120,8 @@ mod tests {
         let done = |words: &str, tone| Verdict::Done { words: words.into(), tone };
         rail.set(Step::Identify, done("explained", Tone::Good), ["a.csv".to_owned()]);
         assert_eq!(rail.verdict(Step::Identify, &["a.csv", "b.csv"]), done("explained", Tone::Good));
+        rail.set(Step::Identify, done("explained", Tone::Good), ["a.csv@2..8".to_owned()]);
+        assert_eq!(rail.verdict(Step::Identify, &["a.csv"]), done("explained", Tone::Good));
         assert_eq!(
             rail.verdict(Step::Identify, &["b.csv"]),
             done("explained, of other recordings", Tone::Quiet)

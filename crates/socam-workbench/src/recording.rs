@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use socam_recording::{Dataset, Selection};
+use socam_recording::{Dataset, Selection, Span, named_part, without_part};
 use socam_samples::{Samples, index};
 
 use crate::about::about;
@@ -21,6 +21,8 @@ pub struct Recording {
     /// Samples of the recording.
     pub samples: Arc<Samples>,
     file: Option<(PathBuf, Read)>,
+    /// The span of [`Recording::dataset`] where there is no file from which it is read by its name.
+    span: Option<[f64; 2]>,
 }
 
 /// Number of values above which a recording gets an index file.
@@ -30,7 +32,7 @@ impl Recording {
     /// A recording that has no file.
     #[must_use]
     pub fn in_memory(about: About, samples: Samples) -> Self {
-        Self { about, samples: Arc::new(samples), file: None }
+        Self { about, samples: Arc::new(samples), file: None, span: None }
     }
 
     /// Loads a dataset into memory.
@@ -105,10 +107,50 @@ impl Recording {
         if let Some((_, read)) = &self.file {
             return read(&about.name);
         }
-        let rows = 0..self.samples.rows();
+        let rows = match self.span {
+            Some([from, to]) => self.samples.row_at(from)..self.samples.row_at(to),
+            None => 0..self.samples.rows(),
+        };
         let columns = (0..about.channels.len()).map(|channel| self.samples.values(channel, rows.clone()));
         let times = self.samples.times(rows.clone());
         Dataset::from_columns(&about.name, about.channels.clone(), times, columns.collect()).map_err(sentence)
+    }
+
+    /// The part of it between two of its own times, s, to the microsecond, whose name has the part (`RUN@FROM..TO`): what
+    /// [`dataset`](Self::dataset) reads. Its description and [`samples`](Self::samples) stay those of the whole recording.
+    ///
+    /// # Errors
+    /// When it has fewer than two samples there; one sentence.
+    pub fn part(&self, range_s: [f64; 2]) -> Result<Self, String> {
+        let [from, to] = range_s.map(|time| (1e6 * time).round() / 1e6);
+        let [first, last] = self.samples.span_s().unwrap_or([0.0, 0.0]);
+        let rows = self.samples.row_at(from)..self.samples.row_at(to);
+        if rows.len() < 2 {
+            let name = short(&self.about.name);
+            return Err(format!(
+                "{name} has no samples between {from} s and {to} s: choose another range, or leave it out."
+            ));
+        }
+        if from <= first && to > last {
+            return Ok(self.clone());
+        }
+        // An open end of a part that is open already would be that of the whole file.
+        let is_part = without_part(&self.about.name) != self.about.name;
+        let end_s = (1e6 * (last + 0.5 * self.about.sample_time_s)).ceil() / 1e6;
+        let from_s = match from > first {
+            true => from,
+            false if is_part => (1e6 * first).floor() / 1e6,
+            false => f64::NEG_INFINITY,
+        };
+        let to_s = match to > last {
+            true if is_part => end_s,
+            true => f64::INFINITY,
+            false => to,
+        };
+        let mut part = self.clone();
+        part.about.name = named_part(&self.about.name, Span { from_s, to_s });
+        part.span = Some([from.max(first), to]);
+        Ok(part)
     }
 
     /// Whether it has a column of this name.
@@ -153,4 +195,41 @@ fn indexed(data: &Dataset, target: &Path, handle: &Handle) -> Result<(About, Sam
 
 fn sentence(error: impl std::fmt::Display) -> String {
     error.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(run: &str) -> Result<Dataset, String> {
+        Dataset::open(run).map_err(sentence)
+    }
+
+    /// The part is the one that a command with the same name reads, of a file and in memory.
+    #[test]
+    fn a_part_is_what_its_name_says() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.csv");
+        let rows: String = (0..1000).map(|row| format!("{},{row}\n", f64::from(row) * 0.01)).collect();
+        std::fs::write(&path, format!("t_s,speed_rad_s\n{rows}")).unwrap();
+        let run = path.display().to_string();
+        let recording = Recording::open(&run, read, &Handle::default()).unwrap();
+        let named = |recording: &Recording, range_s: [f64; 2]| {
+            let part = recording.part(range_s).unwrap();
+            let data = part.dataset().unwrap();
+            (part.about.name.replace(&run, "run"), data.start_s(), data.end_s())
+        };
+        assert_eq!(named(&recording, [2.0, 7.500_000_2]), ("run@2..7.5".into(), 2.0, 7.49));
+        assert_eq!(named(&recording, [-1.0, 3.0]), ("run@..3".into(), 0.0, 2.99));
+        assert_eq!(named(&recording, [3.0, 99.0]), ("run@3..".into(), 3.0, 9.99));
+        assert_eq!(named(&recording, [-1.0, 99.0]), ("run".into(), 0.0, 9.99));
+        let why = recording.part([20.0, 30.0]).unwrap_err();
+        assert!(why.contains("run.csv has no samples between 20 s and 30 s"), "{why}");
+        // A part of a part stays within it.
+        let part = Recording::open(&format!("{run}@2..8"), read, &Handle::default()).unwrap();
+        assert_eq!(named(&part, [1.0, 3.0]), ("run@2..3".into(), 2.0, 2.99));
+        assert_eq!(named(&part, [4.0, 99.0]), ("run@4..7.995".into(), 4.0, 7.99));
+        let in_memory = Recording::of(&read(&run).unwrap(), &Handle::default()).unwrap();
+        assert_eq!(named(&in_memory, [2.0, 7.5]), ("run@2..7.5".into(), 2.0, 7.49));
+    }
 }

@@ -78,9 +78,10 @@ impl Session {
     /// The session with the paths of a file in this folder as paths of this computer.
     #[must_use]
     pub fn resolved(mut self, folder: &Path) -> Self {
-        let whole = |path: &String| folder.join(path).display().to_string();
-        self.recordings.iter_mut().for_each(|own| own.run = whole(&own.run));
-        self.results.iter_mut().for_each(|own| *own = whole(own));
+        let whole = |path: &str| folder.join(path).display().to_string();
+        let is_file = |path: &str| folder.join(path).exists();
+        self.recordings.iter_mut().for_each(|own| own.run = each_file(&own.run, is_file, whole));
+        self.results.iter_mut().for_each(|own| *own = whole(own.as_str()));
         self
     }
 
@@ -97,6 +98,31 @@ impl Session {
 pub fn is_there(run: &str) -> bool {
     let selected = || socam_recording::Selection::parse(run);
     Path::new(run).exists() || selected().is_ok_and(|selection| selection.files().all(|path| path.exists()))
+}
+
+/// The name of a recording with the path of each of its files relative to a folder.
+#[must_use]
+pub fn relative_run(run: &str, folder: &Path) -> String {
+    each_file(run, |path| Path::new(path).exists(), |path| relative(path, folder))
+}
+
+/// The name of a recording with another path of each of its files: `A+B@FROM..TO` has two.
+fn each_file(run: &str, is_file: impl Fn(&str) -> bool, path: impl Fn(&str) -> String) -> String {
+    let (files, part) = match run.rsplit_once('@') {
+        Some((files, span)) if span.contains("..") && !is_file(run) => (files, &run[files.len()..]),
+        _ => (run, ""),
+    };
+    // A file's own name may have the character.
+    let is_joined = files.contains('+') && !is_file(files) && files.split('+').any(is_file);
+    let paths = match is_joined {
+        true => files
+            .split('+')
+            .map(|one| if one.is_empty() { String::new() } else { path(one) })
+            .collect::<Vec<_>>()
+            .join("+"),
+        false => path(files),
+    };
+    format!("{paths}{part}")
 }
 
 /// A path relative to a folder, with `/` between its parts; the whole path where they have nothing in common.
@@ -141,6 +167,35 @@ mod tests {
             ("/data/a.csv", "/lab/sessions", "/data/a.csv"),
         ] {
             assert_eq!(relative(path, Path::new(folder)), expected, "{path} in {folder}");
+        }
+    }
+
+    /// A folder that is moved keeps recordings of several files.
+    #[test]
+    fn each_file_of_a_joined_recording_is_relative() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name).display().to_string();
+        ["a.csv", "b.csv", "c+d.csv"].iter().for_each(|name| std::fs::write(at(name), "").unwrap());
+        let joined = format!("{}+{}@2..8", at("a.csv"), at("b.csv"));
+        for (run, expected) in [
+            (joined, "a.csv+b.csv@2..8"),
+            (at("c+d.csv"), "c+d.csv"),
+            (format!("{}@2..", at("a.csv")), "a.csv@2.."),
+        ] {
+            let own = relative_run(&run, folder.path());
+            assert_eq!(own, expected);
+            let named = Named { run: own, shown: true, shift_s: 0.0 };
+            let session = Session {
+                schema: SCHEMA.into(),
+                view: View::Time,
+                recordings: vec![named],
+                results: Vec::new(),
+                range_s: None,
+                cursors_s: None,
+                layout: Arrangement::default(),
+                model: None,
+            };
+            assert_eq!(session.resolved(folder.path()).recordings[0].run, run);
         }
     }
 

@@ -96,6 +96,8 @@ pub struct Setup {
     pub roles: Roles,
     /// Start values and fixed parameters.
     pub changes: Changes,
+    /// The range that is read of each recording, s, in the time of the view over time; all of it without one.
+    pub range_s: Option<[f64; 2]>,
 }
 
 /// Recordings and model of the next fit.
@@ -125,18 +127,28 @@ impl Setup {
     /// # Errors
     /// Why nothing can be started; one sentence.
     pub fn chosen(&self, entries: &[Entry], model: &Model) -> Result<Chosen, String> {
-        let of = |role: Role| -> Vec<Recording> {
+        let of = |role: Role| -> Result<Vec<Recording>, String> {
             let own = entries.iter().filter(|entry| self.roles.of(entry) == role);
-            own.map(|entry| entry.recording.clone()).collect()
+            own.map(|entry| self.read_of(entry)).collect()
         };
         let chosen = Chosen {
             model: self.changes.applied(model),
-            training: of(Role::Fit),
-            held_out: of(Role::HoldOut),
+            training: of(Role::Fit)?,
+            held_out: of(Role::HoldOut)?,
         };
         match chosen.problem(entries.is_empty()) {
             Some(problem) => Err(problem),
             None => Ok(chosen),
+        }
+    }
+}
+
+impl Setup {
+    /// The part of a recording that is read.
+    fn read_of(&self, entry: &Entry) -> Result<Recording, String> {
+        match self.range_s {
+            Some(range_s) => entry.recording.part(range_s.map(|time| time - entry.shift_s)),
+            None => Ok(entry.recording.clone()),
         }
     }
 }

@@ -8,6 +8,7 @@ use socam_recording::{Channel, ProfileFile};
 
 use crate::connection::Connection;
 use crate::device::{Stated, Wanted};
+use crate::display_units::DisplayUnits;
 use crate::entry::Entry;
 use crate::input_signal::Signal;
 use crate::job::Wake;
@@ -17,6 +18,7 @@ use crate::queue::Batch;
 use crate::rail::Rail;
 use crate::recording::Recording;
 use crate::setup::{Chosen, Setup};
+use crate::spectrum_settings::SpectrumSettings;
 use crate::view::View;
 use crate::watch::WatchState;
 
@@ -60,6 +62,8 @@ pub enum Request {
     Save(PathBuf, Vec<u8>),
     /// Ask where to save something, with a name to propose; a page in a browser offers it for download.
     SaveAs(Purpose, String, Content),
+    /// Fit this range of time, s, of each recording next, and show the set-up.
+    FitRange([f64; 2]),
     /// Make a profile the input signal, and show it; a page in a browser, which has no bench, offers it for download.
     Signal(Box<ProfileFile>),
     /// Make a model the one that recordings are compared with.
@@ -125,6 +129,10 @@ pub struct Workspace {
     pub recent: Vec<String>,
     /// The range of time that the view over time has in sight, s; `None` while it shows everything.
     pub in_sight: Option<[f64; 2]>,
+    /// How spectra are made; part of the layout of the view over time.
+    pub spectra: SpectrumSettings,
+    /// Units in which channels are shown; part of the layout of the view over time.
+    pub units: DisplayUnits,
     /// The state of the watch; `None` while nothing was watched.
     pub watch: Option<WatchState>,
     /// The verdicts of check, identification and diagnosis.
@@ -153,6 +161,8 @@ impl Workspace {
             next_run: NextRun::default(),
             recent: Vec::new(),
             in_sight: None,
+            spectra: SpectrumSettings::default(),
+            units: DisplayUnits::default(),
             watch: None,
             rail: Rail::default(),
             simulate: None,

@@ -5,12 +5,12 @@ use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotResponse, PlotTransfor
 
 use super::axes::{at_an_end, decade, decades, even, number, shared_width, small, width_of_numbers};
 use super::layer::Layer;
-use super::{Backdrop, Chart, DIMMED, Style, X_AXIS, marks};
+use super::{Backdrop, Chart, DIMMED, Scale, Style, X_AXIS, clock, marks};
 use crate::colours::{self, Colours};
 use crate::theme;
 
 /// Least distance between lines of the grid, points.
-const LINES_APART: f32 = 14.0;
+pub(super) const LINES_APART: f32 = 14.0;
 /// Height above which the numbers of the vertical axis are farther apart, points.
 const TALL: f32 = 260.0;
 /// Distance between markers on a marked line, points.
@@ -35,7 +35,7 @@ impl Backdrop {
 impl Chart {
     /// Axes, grid and lines.
     pub(super) fn plot(&self, ui: &mut Ui, x: [f64; 2], y: [f64; 2]) -> PlotResponse<()> {
-        let scales = self.is_log();
+        let (scales, logs) = (self.scales, self.is_log());
         let apart = self.numbers_apart();
         let stack = self.stack.unwrap_or_else(|| ui.scope_id());
         let axis_width = shared_width(ui, stack, self.width_of_numbers(ui, y));
@@ -68,8 +68,8 @@ impl Chart {
             plot.set_plot_bounds_y(y[0]..=y[1]);
             plot.add(Layer::new(|_, transform, shapes| {
                 self.backdrop.iter().for_each(|backdrop| backdrop.shapes(transform, shapes));
-                marks::shaded(transform, scales[0], &self.shaded, shapes);
-                self.bands.iter().for_each(|band| marks::band(transform, scales, band, shapes));
+                marks::shaded(transform, logs[0], &self.shaded, shapes);
+                self.bands.iter().for_each(|band| marks::band(transform, logs, band, shapes));
             }));
             self.contents(plot, x);
         })
@@ -106,7 +106,7 @@ impl Chart {
 
     /// Least distances between the numbers of the two axes, points.
     fn numbers_apart(&self) -> [f32; 2] {
-        [56.0, if self.size.y < TALL { 17.5 } else { 32.0 }]
+        [numbers_apart(self.scales[0]), if self.size.y < TALL { 17.5 } else { 32.0 }]
     }
 
     /// Length of the vertical axis, points.
@@ -116,18 +116,19 @@ impl Chart {
 
     /// Width of the widest number beside the vertical axis.
     fn width_of_numbers(&self, ui: &Ui, y: [f64; 2]) -> f32 {
-        let (log, apart) = (self.is_log()[1], self.numbers_apart()[1]);
+        let (scale, apart) = (self.scales[1], self.numbers_apart()[1]);
+        let log = self.is_log()[1];
         let per_point = (y[1] - y[0]) / f64::from(self.height().max(1.0));
         let input = GridInput { bounds: (y[0], y[1]), base_step_size: per_point * f64::from(LINES_APART) };
         let inside = |mark: &GridMark| (y[0]..=y[1]).contains(&mark.value);
         let wide = |mark: &GridMark| mark.step_size / per_point > f64::from(apart) - 0.1;
-        let marks = lines(input, log, apart).into_iter().filter(|mark| inside(mark) && (log || wide(mark)));
-        width_of_numbers(ui, marks.map(|mark| text(log, mark)))
+        let marks = lines(input, scale, apart).into_iter().filter(|mark| inside(mark) && (log || wide(mark)));
+        width_of_numbers(ui, marks.map(|mark| text(scale, mark)))
     }
 
     /// The horizontal and the vertical axis with their numbers, for a plot of this width with so wide numbers.
     fn axes(&self, [width, axis_width]: [f32; 2]) -> [AxisHints<'static>; 2] {
-        let (scales, apart) = (self.is_log(), self.numbers_apart());
+        let (scales, apart) = (self.scales, self.numbers_apart());
         let spacing = apart.map(|least: f32| egui::Rangef::new(least - 0.1, least));
         // The last number is left out near the right end: it would be cut off, or touch the numbers of the next chart.
         let length = width - axis_width;
@@ -152,12 +153,26 @@ impl Chart {
     }
 }
 
-/// Lines of the grid; those with numbers are `apart` points from each other at least.
-fn lines(input: GridInput, log: bool, apart: f32) -> Vec<GridMark> {
-    let numbers = apart / LINES_APART;
-    if log { decades(&input, numbers) } else { even(input, numbers) }
+/// Least distance between the numbers of a horizontal axis, points.
+pub(super) fn numbers_apart(scale: Scale) -> f32 {
+    if matches!(scale, Scale::Clock { .. }) { clock::NUMBERS_APART } else { 56.0 }
 }
 
-fn text(log: bool, mark: GridMark) -> String {
-    if log { decade(mark) } else { number(mark) }
+/// Lines of the grid; those with numbers are `apart` points from each other at least.
+pub(super) fn lines(input: GridInput, scale: Scale, apart: f32) -> Vec<GridMark> {
+    let numbers = apart / LINES_APART;
+    match scale {
+        Scale::Log => decades(&input, numbers),
+        Scale::Linear => even(input, numbers),
+        Scale::Clock { at_zero_s } => clock::lines(&input, at_zero_s, numbers),
+    }
+}
+
+/// A number beside a line of the grid.
+pub(super) fn text(scale: Scale, mark: GridMark) -> String {
+    match scale {
+        Scale::Log => decade(mark),
+        Scale::Linear => number(mark),
+        Scale::Clock { at_zero_s } => clock::text(mark.value, at_zero_s, mark.step_size),
+    }
 }

@@ -4,7 +4,7 @@ use egui::{Color32, Context, FontId, Galley, Painter, Pos2, Rect, Stroke, Ui, po
 use egui_plot::{PlotPoint, PlotTransform};
 use std::sync::Arc;
 
-use super::{Backdrop, Chart, Curve, Shown};
+use super::{Backdrop, Chart, Curve, Scale, Shown, clock};
 use crate::theme;
 
 /// Distance of the readout from the pointer, points.
@@ -142,6 +142,9 @@ fn nearest(curve: &Curve, x: f64, near: f64) -> Reading {
 }
 
 fn position_text(x: f64, chart: &Chart, log: bool, per_point: f64) -> String {
+    if let Scale::Clock { at_zero_s } = chart.scales[0] {
+        return clock::text(x, at_zero_s, per_point.min(1.0));
+    }
     let digits = (-per_point.log10().floor()).clamp(0.0, 12.0) as usize;
     let number = if log { value_text(x) } else { format!("{x:.digits$}") };
     // Another chart of its stack shows the axis of time.

@@ -43,6 +43,7 @@ impl Right {
         painter.vline(frame.right(), frame.y_range(), Stroke::new(1.0, theme::weak(ui)));
         let least = APART * (high - low) / f64::from(frame.height());
         let [_, step, _] = axes::steps(GridInput { bounds: (low, high), base_step_size: least }, 1.25);
+        let mut end = frame.right() + MARK;
         for index in (low / step).ceil() as i64..=(high / step).floor() as i64 {
             let value = index as f64 * step;
             let y = frame.bottom() - (placed(value, self.y, [0.0, 1.0]) as f32) * frame.height();
@@ -52,7 +53,8 @@ impl Right {
             if (frame.top() + 7.0..=frame.bottom() - 7.0).contains(&y) {
                 let text = axes::number(GridMark { value, step_size: step });
                 let at = from + egui::vec2(MARK + 3.0, 0.0);
-                painter.text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.5), colour);
+                let number = painter.text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.5), colour);
+                end = end.max(number.right());
             }
         }
         let lay = |text: &str, size: f32| {
@@ -67,7 +69,8 @@ impl Right {
         } else {
             lay(super::hover::unit(&self.label), 10.0)
         };
-        let at = pos2(frame.right() + ROOM - label.size().y - 2.0, frame.center().y + 0.5 * label.size().x);
+        let x = (end + 6.0).min(frame.right() + ROOM - label.size().y - 2.0);
+        let at = pos2(x, frame.center().y + 0.5 * label.size().x);
         painter.add(TextShape::new(at, label, colour).with_angle(-std::f32::consts::FRAC_PI_2));
     }
 }

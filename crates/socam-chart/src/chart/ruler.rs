@@ -3,12 +3,8 @@
 use egui::{Align2, Rangef, Rect, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 use egui_plot::GridInput;
 
-use super::axes::{decade, decades, even, number};
+use super::grid::{LINES_APART, lines, numbers_apart, text};
 use super::{Scale, X_AXIS};
-
-/// Least distances between lines, and between numbers, points.
-const LINES_APART: f32 = 14.0;
-const NUMBERS_APART: f32 = 56.0;
 
 /// Draws the axis below each of the `columns`, the horizontal extents of the frames of charts, with numbers and label.
 pub fn ruler(ui: &mut Ui, columns: &[Rangef], range: [f64; 2], scale: Scale, label: &str) {
@@ -45,21 +41,20 @@ fn distinct(columns: &[Rangef]) -> Vec<Rangef> {
 fn numbers(range: [f64; 2], scale: Scale, points: f32) -> Vec<(f64, String)> {
     let is_log = scale == Scale::Log;
     let [low, high] = if is_log { range.map(f64::log10) } else { range };
-    let is_drawn = points > NUMBERS_APART && high > low && low.is_finite() && high.is_finite();
+    let apart = numbers_apart(scale);
+    let is_drawn = points > apart && high > low && low.is_finite() && high.is_finite();
     if !is_drawn {
         return Vec::new();
     }
     let per_point = (high - low) / f64::from(points);
     let input = GridInput { bounds: (low, high), base_step_size: per_point * f64::from(LINES_APART) };
-    let apart = NUMBERS_APART / LINES_APART;
-    let marks = if is_log { decades(&input, apart) } else { even(input, apart) };
-    let least = per_point * f64::from(NUMBERS_APART - 0.1);
-    marks
+    let least = per_point * f64::from(apart - 0.1);
+    lines(input, scale, apart)
         .into_iter()
         .filter(|mark| {
             (low..=high - 14.0 * per_point).contains(&mark.value) && (is_log || mark.step_size > least)
         })
-        .map(|mark| ((mark.value - low) / (high - low), if is_log { decade(mark) } else { number(mark) }))
+        .map(|mark| ((mark.value - low) / (high - low), text(scale, mark)))
         .filter(|(_, text)| !text.is_empty())
         .collect()
 }

@@ -21,6 +21,7 @@ impl Dashboard {
             Command::ExportAnimation => self.layout.view == View::Machine && self.views.machine.can_film(),
             Command::Start => self.views.peek(self.layout.view).can_start(),
             Command::SaveReport => self.views.peek(self.layout.view).has_report(),
+            Command::OwnWindow => !self.is_apart(self.layout.view),
             Command::CloseAll => !self.workspace.entries.is_empty(),
             Command::Undo => self.has_history() || self.workspace.signal.history()[0],
             Command::Redo => self.has_history() || self.workspace.signal.history()[1],
@@ -78,6 +79,7 @@ impl Dashboard {
                 self.layout.view = View::Live;
             }
             Command::Show(view) => self.layout.view = view,
+            Command::OwnWindow => self.set_apart(),
             Command::Theme => {
                 self.layout.look = if self.layout.look == Look::Light { Look::Dark } else { Look::Light };
                 self.layout.look_is_chosen = true;

@@ -32,7 +32,8 @@ impl Dashboard {
                 self.tabs(ui);
             }
             if HAS_BENCH {
-                ui.with_layout(Direction::right_to_left(Align::Center), |ui| self.bench(ui));
+                let side = Direction::right_to_left(Align::Center);
+                self.stop_button = ui.with_layout(side, |ui| self.bench(ui)).inner;
             }
         });
         if !is_one_row {
@@ -40,8 +41,8 @@ impl Dashboard {
         }
     }
 
-    /// The emergency stop and the state of the bench.
-    fn bench(&mut self, ui: &mut Ui) {
+    /// The emergency stop, whose place it returns, and the state of the bench.
+    pub(super) fn bench(&mut self, ui: &mut Ui) -> egui::Rect {
         // Without a board it can do nothing, and is no louder than other controls.
         let text = RichText::new("EMERGENCY STOP").strong();
         let button = if self.workspace.bench.is_commanded() {
@@ -52,7 +53,7 @@ impl Dashboard {
             Button::new(text.color(theme::weak(ui)))
         };
         let stop = ui.add(button);
-        self.stop_button = stop.rect;
+        let place = stop.rect;
         if stop.on_hover_text("Cuts the command at once, from every view (Esc)").clicked() {
             self.workspace.bench.emergency_stop();
         }
@@ -76,6 +77,7 @@ impl Dashboard {
             ui.label(text);
         }
         self.watch_state(ui);
+        place
     }
 
     /// The state of the watch; a click leads to its view.

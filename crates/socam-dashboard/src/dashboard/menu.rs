@@ -37,6 +37,8 @@ impl Dashboard {
             let views: Vec<Command> = Views::NAMES.iter().copied().map(Command::Show).collect();
             self.items(ui, &views);
             ui.separator();
+            self.items(ui, &[Command::OwnWindow]);
+            ui.separator();
             self.items(ui, &[Command::Theme, Command::Larger, Command::Smaller, Command::NormalSize]);
         });
         if HAS_BENCH {

@@ -6,7 +6,7 @@ use socam_model::Model;
 use socam_workbench::about::short;
 use socam_workbench::purpose::Purpose;
 use socam_workbench::save;
-use socam_workbench::session::{Named, SCHEMA, Session, is_there, relative};
+use socam_workbench::session::{Named, SCHEMA, Session, is_there, relative, relative_run};
 
 use crate::dashboard::Dashboard;
 
@@ -51,7 +51,7 @@ impl Dashboard {
                 continue;
             }
             recordings.push(Named {
-                run: relative(name, folder),
+                run: relative_run(name, folder),
                 shown: entry.shown,
                 shift_s: entry.shift_s,
                 notes: entry.notes.clone(),

@@ -3,10 +3,12 @@
 use egui::{DragValue, Label, RichText, Role, Ui, WidgetInfo};
 use socam_chart::numbers::{interval, number};
 use socam_chart::theme;
-use socam_model::drawing::{Drawing, Style};
+use socam_model::drawing::{Drawing, Place, Style};
 use socam_model::{Model, Motion as Kind};
 use socam_workbench::element::{ElementDetails, channel_words, in_file_unit, in_si};
 use socam_workbench::motion::Motion;
+
+use super::columns::{self, Wire};
 
 /// The value that is being typed or dragged.
 #[derive(Debug, Default)]
@@ -15,13 +17,19 @@ pub(super) struct Editor {
     pending: Option<(String, f64)>,
     /// Why the last change could not be made; one sentence.
     pub(super) problem: Option<String>,
-    /// Intervals of the model's file, SI, and the text that states them.
+    /// Intervals of the model's file, SI, its elements, and the text of the file.
     intervals: Vec<Option<[f64; 2]>>,
+    places: Vec<Place>,
     of: String,
 }
 
-/// A parameter's new value, SI, and whether it is fixed.
-type Change = (String, f64, bool);
+/// A change of the model.
+pub(super) enum Change {
+    /// A parameter's name, its new value, SI, and whether it is fixed.
+    Parameter(String, f64, bool),
+    /// Another column of a channel.
+    Column(Wire),
+}
 
 impl Editor {
     /// Draws the element that is selected, or all parameters. Returns a change that was asked for.
@@ -30,17 +38,17 @@ impl Editor {
         ui: &mut Ui,
         model: &Model,
         selected: &mut Option<String>,
-        motion: Option<&Motion>,
-        time_s: f64,
+        (motion, time_s): (Option<&Motion>, f64),
+        columns: &[String],
     ) -> Option<Change> {
         if self.of != model.text {
             // Reading the file anew in each pass would take longer than drawing it.
             (self.intervals, self.of) = (model.intervals(), model.text.clone());
+            self.places = Drawing::of(model, &[], Style::default()).places;
         }
         let intervals = self.intervals.clone();
-        let drawing = Drawing::of(model, &[], Style::default());
-        let place =
-            selected.as_ref().and_then(|name| drawing.places.iter().find(|place| place.name == *name));
+        let place = selected.as_ref().and_then(|name| self.places.iter().find(|place| place.name == *name));
+        let place = place.cloned();
         let mut change = None;
         if let Some(problem) = &self.problem {
             ui.add(Label::new(RichText::new(problem).color(theme::alarm(ui))).wrap());
@@ -77,6 +85,7 @@ impl Editor {
             ui.add_space(2.0);
             ui.strong(&channel.name);
             ui.add(Label::new(RichText::new(channel_words(channel)).color(theme::weak(ui))).wrap());
+            change = columns::choice(ui, channel, columns).map(Change::Column).or(change);
         }
         ui.add_space(8.0);
         if ui.button("All parameters").clicked() {
@@ -125,7 +134,7 @@ impl Editor {
             {
                 let value = self.pending.take().map_or(known, |(_, value)| value);
                 if value != known {
-                    change = Some((name.clone(), in_si(parameter, value), parameter.fixed));
+                    change = Some(Change::Parameter(name.clone(), in_si(parameter, value), parameter.fixed));
                 }
             }
             ui.label(socam_plot::words::unit(&parameter.file_unit));
@@ -134,7 +143,7 @@ impl Editor {
             let said = format!("Fixed: {name}");
             tick.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, fixed, &said));
             if tick.changed() {
-                change = Some((name.clone(), parameter.value, fixed));
+                change = Some(Change::Parameter(name.clone(), parameter.value, fixed));
             }
         });
         if let Some(ends) = ci95 {

@@ -12,7 +12,11 @@ pub(super) const HELP: Help = &[
         "Value of ...; Fixed: ...",
         "writes into the model's text, whose comments stay; in the unit of the file; a fixed one is not fitted; Ctrl+Z and Undo the change take it back",
     ),
-    ("Undo the change; Redo the change", "of the last value that was changed here"),
+    (
+        "Columns of ...; Column of ...",
+        "the columns of the recording that is played: one that is dragged onto a sensor or an input of the drawing is read by it from then on, as is one that is chosen in the list of a channel that is selected; the column is written into the model's text",
+    ),
+    ("Undo the change; Redo the change", "of the last value or column that was changed here"),
     ("Open model...; Model", "a model file; a model that is built in, or was used in this window"),
     (
         "New model...; Name of the model; Parts; Drives; Measured; Words that are understood",

@@ -1,5 +1,6 @@
 //! The machine: the drawing of the model, what each element has, a new model from words, and the motion of a recording.
 
+mod columns;
 mod describe;
 mod details;
 mod film;
@@ -13,17 +14,19 @@ use egui::{Button, RichText, ScrollArea, Sense, Ui, vec2};
 use socam_chart::chart::Seen;
 use socam_chart::theme;
 use socam_model::Model;
-use socam_model::drawing::{Drawing, PlaceMark};
+use socam_model::drawing::PlaceMark;
 use socam_workbench::model_history::ModelHistory;
 use socam_workbench::new_model::NewModel;
 use socam_workbench::purpose::Purpose;
 use socam_workbench::recording::Recording;
 use socam_workbench::{Content, Request, Workspace};
 
-use crate::bench::{self, Stand};
+use crate::bench::{Kept, Stand};
 use crate::layout;
 use crate::model_choice;
 use crate::view::{Help, ViewPanel};
+use columns::Wire;
+use details::Change;
 pub use player::{Colouring, Player};
 use scene::Scene;
 
@@ -41,6 +44,7 @@ pub struct MachineView {
     history: ModelHistory,
     motions: motions::Motions,
     film: film::Film,
+    drawing: Kept,
 }
 
 impl ViewPanel for MachineView {
@@ -130,23 +134,32 @@ impl MachineView {
         }
         self.doors(ui, workspace);
         ui.separator();
-        let change = self.editor.ui(
-            ui,
-            workspace.model(),
-            &mut self.selected,
-            self.motions.known(),
-            self.player.time_s,
-        );
-        if let Some((name, si, fixed)) = change {
-            let before = workspace.model().clone();
-            match before.with_parameter(&name, si, fixed) {
-                Ok(model) => {
-                    workspace.edit_model(model);
-                    self.history.changed(before, workspace.revision());
-                    self.editor.problem = None;
-                }
-                Err(error) => self.editor.problem = Some(format!("{error}.")),
+        let recording = self.player.choose(&workspace.entries);
+        let columns = columns::names(recording.as_ref());
+        if let Some(recording) = &recording {
+            columns::list(ui, workspace.model(), recording, &columns);
+        }
+        let now = (self.motions.known(), self.player.time_s);
+        let change = self.editor.ui(ui, workspace.model(), &mut self.selected, now, &columns);
+        if let Some(change) = change {
+            self.change(workspace, &change);
+        }
+    }
+
+    /// Changes the model of the window, or says why it cannot be changed so.
+    fn change(&mut self, workspace: &mut Workspace, change: &Change) {
+        let before = workspace.model().clone();
+        let changed = match change {
+            Change::Parameter(name, si, fixed) => before.with_parameter(name, *si, *fixed),
+            Change::Column(wire) => before.with_column(&wire.channel, &wire.column),
+        };
+        match changed {
+            Ok(model) => {
+                workspace.edit_model(model);
+                self.history.changed(before, workspace.revision());
+                self.editor.problem = None;
             }
+            Err(error) => self.editor.problem = Some(format!("{error}.")),
         }
     }
 
@@ -197,9 +210,11 @@ impl MachineView {
             self.time_line(ui, workspace, recording.as_ref());
             ui.add_space(4.0);
         });
-        egui::CentralPanel::default().show(ui, |ui| {
-            self.picture(ui, workspace, &model, recording.as_ref());
-        });
+        let picture = egui::CentralPanel::default();
+        let wired = picture.show(ui, |ui| self.picture(ui, workspace, &model, recording.as_ref())).inner;
+        if let Some(wire) = wired {
+            self.change(workspace, &Change::Column(wire));
+        }
     }
 
     fn time_line(&mut self, ui: &mut Ui, workspace: &mut Workspace, recording: Option<&Recording>) {
@@ -221,14 +236,20 @@ impl MachineView {
         }
     }
 
-    /// The drawing, with a click on an element.
-    fn picture(&mut self, ui: &mut Ui, workspace: &Workspace, model: &Model, recording: Option<&Recording>) {
+    /// The drawing, with a click on an element. Returns a column that was dropped onto a channel.
+    fn picture(
+        &mut self,
+        ui: &mut Ui,
+        workspace: &Workspace,
+        model: &Model,
+        recording: Option<&Recording>,
+    ) -> Option<Wire> {
         let motion = recording.and_then(|_| self.motions.known());
         let diagnosis = workspace.rail.diagnosis.as_ref().filter(|own| own.model == model.name);
         let marks: Vec<(&str, PlaceMark)> =
             diagnosis.map(|diagnosis| socam_findings::headline::marks(diagnosis)).unwrap_or_default();
         let room = ui.available_size();
-        let drawing = Drawing::of(model, &marks, bench::style(model, f64::from(room.x)));
+        let drawing = self.drawing.get(model, &marks, f64::from(room.x));
         let whole = vec2(drawing.size[0] as f32, drawing.size[1] as f32);
         let scale = (room.x / whole.x).min((room.y - scene::HEAD) / whole.y).clamp(SMALLEST, LARGEST);
         let size = scale * whole + vec2(0.0, scene::HEAD);
@@ -240,6 +261,7 @@ impl MachineView {
             angle_scale: motion.map_or(1.0, |motion| self.player.angle_scale(motion)),
             colouring: self.player.colouring,
         };
+        let mut wired = None;
         ScrollArea::both().id_salt("machine").auto_shrink(false).show(ui, |ui| {
             let (area, _) = ui.allocate_exact_size(size.max(room.floor()), Sense::hover());
             let above = (0.4 * (area.height() - size.y)).max(0.0);
@@ -257,6 +279,10 @@ impl MachineView {
                     self.selected = Some(place.name.clone());
                 }
             }
+            let boxes = drawing.places.iter().filter(|place| scene::is_sensor(place));
+            wired = boxes
+                .filter_map(|own| columns::drop_at(ui, model, &own.name, stand.area(own.from, own.to)))
+                .last();
             let shapes = scene.shapes(ui, stand);
             ui.painter().extend(shapes);
             let part =
@@ -267,6 +293,7 @@ impl MachineView {
                 self.film.give_up();
             }
         });
+        wired
     }
 }
 

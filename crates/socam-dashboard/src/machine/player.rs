@@ -8,6 +8,7 @@ use socam_workbench::recording::{Recording, short};
 
 use super::motions::Motions;
 use super::time_line;
+use crate::together::{keep, together};
 
 /// The quantity that colours the elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -141,6 +142,7 @@ impl Player {
             if ui.button("To the start").clicked() {
                 self.time_s = span_s[0];
             }
+            keep(ui, "Speed", 150.0);
             let label = ui.label("Speed");
             let slider = Slider::new(&mut self.speed, SPEEDS).logarithmic(true).suffix("×").max_decimals(2);
             ui.add(slider).labelled_by(label.id);
@@ -175,43 +177,44 @@ impl Player {
     }
 
     fn scales(&mut self, ui: &mut Ui, motion: Option<&Motion>) {
-        let label = ui.label("Angle");
         let auto = motion.map_or_else(String::new, |motion| {
             let automatic = Self { scale: 0.0, ..self.clone() };
             format!(", {}", times(automatic.angle_scale(motion)))
         });
         let title = |scale: f64| if scale > 0.0 { times(scale) } else { format!("auto{auto}") };
-        let list = ComboBox::from_id_salt("angle").width(96.0).selected_text(title(self.scale));
-        let list = list.show_ui(ui, |ui| {
-            for scale in SCALES {
-                ui.selectable_value(&mut self.scale, scale, title(scale));
-            }
+        together(ui, "Angle", 104.0, |ui| {
+            let list = ComboBox::from_id_salt("angle").width(96.0).selected_text(title(self.scale));
+            list.show_ui(ui, |ui| {
+                for scale in SCALES {
+                    ui.selectable_value(&mut self.scale, scale, title(scale));
+                }
+            })
         });
-        list.response.labelled_by(label.id);
     }
 
     fn colours(&mut self, ui: &mut Ui, motions: &Motions) {
-        let label = ui.label("Colour by");
         let is_predicted =
             motions.known().is_some_and(|motion| !motion.misfits.is_empty() || !motion.springs.is_empty());
-        let list = ComboBox::from_id_salt("colour").width(72.0).selected_text(self.colouring.name());
-        let list = list.show_ui(ui, |ui| {
-            for colouring in Colouring::ALL {
-                let can = is_predicted || colouring == Colouring::None;
-                let choice = Button::selectable(self.colouring == colouring, colouring.name());
-                let choice = ui.add_enabled(can, choice);
-                if choice.on_disabled_hover_text("needs a prediction of the model").clicked() {
-                    self.colouring = colouring;
+        together(ui, "Colour by", 80.0, |ui| {
+            let list = ComboBox::from_id_salt("colour").width(72.0).selected_text(self.colouring.name());
+            list.show_ui(ui, |ui| {
+                for colouring in Colouring::ALL {
+                    let can = is_predicted || colouring == Colouring::None;
+                    let choice = Button::selectable(self.colouring == colouring, colouring.name());
+                    let choice = ui.add_enabled(can, choice);
+                    if choice.on_disabled_hover_text("needs a prediction of the model").clicked() {
+                        self.colouring = colouring;
+                    }
                 }
-            }
+            })
         });
-        list.response.labelled_by(label.id);
     }
 
     fn recordings(&mut self, ui: &mut Ui, entries: &[Entry], recording: &Recording) {
         if entries.len() < 2 {
             return;
         }
+        keep(ui, "", 158.0);
         let list = ComboBox::from_id_salt("played").width(150.0).selected_text(short(&recording.about.name));
         let list = list.show_ui(ui, |ui| {
             for entry in entries {

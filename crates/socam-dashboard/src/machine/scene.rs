@@ -269,7 +269,8 @@ impl Scene<'_> {
     }
 }
 
-fn is_sensor(place: &Place) -> bool {
+/// Whether it is the box of a channel.
+pub(super) fn is_sensor(place: &Place) -> bool {
     matches!(place.kind, ElementKind::Sensor { .. })
 }
 

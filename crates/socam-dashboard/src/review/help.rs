@@ -21,6 +21,10 @@ pub(super) const HELP: Help = &[
         "Note...; Text of the note; Add note; time; note",
         "notes on moments of recordings (N), at cursor A or where the pointer is; they are marked in the plots and kept by a session",
     ),
+    (
+        "Fit this range",
+        "Identify and Diagnosis read only what is between the cursors, else what is in sight, of each recording; their set-up says so and takes it back",
+    ),
     ("Events", "shows or hides the marks of notes, stops, faults and parts of the profile"),
     (
         "Add",
@@ -57,6 +61,10 @@ pub(super) const HELP: Help = &[
         "units in which speeds, angles and so on are shown, such as rpm; data, files and formulas stay in SI; the menu of a channel sets its own",
     ),
     (
+        "Time of day",
+        "times of day on the time axis, as the first recording that is drawn and states its start has them; values and exports keep the seconds of the recording",
+    ),
+    (
         "histogram of",
         "the channel of a histogram; the share of the samples in sight in each bin, per recording",
     ),
@@ -67,6 +75,10 @@ pub(super) const HELP: Help = &[
     ("Remove ...", "forgets a derived channel"),
     ("Clear search", "shows all recordings and channels in the list"),
     ("vertical axis; horizontal axis; spectrogram of", "the channels of an XY plot or of a spectrogram"),
+    (
+        "Window of the spectrogram",
+        "window, samples of it, and what is taken off each window, of all spectrograms and of the spectra of the Frequency view; up to four windows are averaged in each of its 400 columns",
+    ),
     ("Copy table", "copies the values, separated by tabs"),
     ("shift of ...", "draws a recording so much later or earlier, to lay it over another"),
     (

@@ -1,6 +1,7 @@
 //! Recordings over time: plots in tiles, all with the same time axis, and two cursors.
 
 mod align;
+mod clock;
 mod content;
 mod cursors;
 mod derive;
@@ -39,6 +40,7 @@ use socam_workbench::derivations::Derivations;
 use socam_workbench::display_units::DisplayUnits;
 use socam_workbench::entry::{Entry, signals};
 use socam_workbench::signal::Signal;
+use socam_workbench::spectrum_settings::SpectrumSettings;
 use socam_workbench::{Request, Workspace};
 use views::Views;
 
@@ -52,7 +54,13 @@ pub struct Review {
     plots: Plots,
     derivations: Derivations,
     /// Units in which channels are shown.
-    units: DisplayUnits,
+    pub units: DisplayUnits,
+    /// How spectra and spectrograms are made: of the view over frequency, too.
+    pub spectra: SpectrumSettings,
+    /// Whether the time axis has clock times.
+    clock_time: bool,
+    /// Whether a fit can be made from here: not in a browser.
+    can_fit: bool,
     /// The dialog in which a channel is derived.
     form: Option<Form>,
     /// The window of notes.
@@ -95,6 +103,7 @@ struct Drawing<'a> {
     drawn: Vec<Signal>,
     /// The time axis, s.
     x: [f64; 2],
+    time_axis: clock::TimeAxis,
     seen: &'a mut Vec<Seen>,
     /// Requests to the window.
     requests: Vec<Request>,
@@ -126,11 +135,13 @@ impl Drawing<'_> {
 impl ViewPanel for Review {
     fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
         let is_start = workspace.entries.is_empty();
+        self.can_fit = workspace.has_bench;
         let mut requests = self.draw(ui, &mut workspace.entries, seen);
         if is_start {
             egui::CentralPanel::default().show(ui, |ui| requests.extend(start::ui(ui, workspace)));
         }
         workspace.in_sight = self.x;
+        workspace.spectra = self.spectra;
         requests.into_iter().for_each(|request| workspace.request(request));
     }
 
@@ -180,7 +191,12 @@ impl Review {
     /// The plots, hidden and derived channels.
     #[must_use]
     pub fn arrangement(&self) -> Arrangement {
-        Arrangement { units: self.units.clone(), ..self.plots.arrangement(&self.derivations.all) }
+        Arrangement {
+            units: self.units.clone(),
+            spectra: self.spectra,
+            clock_time: self.clock_time,
+            ..self.plots.arrangement(&self.derivations.all)
+        }
     }
 
     /// Shows the plots of a layout.
@@ -188,6 +204,8 @@ impl Review {
         self.plots = Plots::of(arrangement);
         self.derivations.all.clone_from(&arrangement.derived);
         self.units.clone_from(&arrangement.units);
+        self.spectra = arrangement.spectra.within_limits();
+        self.clock_time = arrangement.clock_time;
     }
 
     /// Derives a channel.
@@ -253,6 +271,7 @@ impl Review {
                 signals: &signals,
                 drawn,
                 x,
+                time_axis: clock::axis(entries, self.clock_time),
                 seen,
                 requests: Vec::new(),
                 bars,

@@ -79,8 +79,9 @@ impl Review {
         chart.when_empty = "no value here";
         (chart.stack, chart.leaves_room) = (Some(super::stack()), drawing.leaves_room(rect));
         chart.x = x;
+        chart.scales[0] = drawing.time_axis.scale;
         if has_axis {
-            chart.x_label = "time, s".into();
+            chart.x_label.clone_from(&drawing.time_axis.label);
         }
         let frame = Frame {
             x,

@@ -8,7 +8,7 @@ use super::plots::Plots;
 use super::plots::heights::{GAP, TABS};
 use super::plots::insert::{Place, place_at};
 use super::{Drawing, Review};
-use socam_chart::chart::{Scale, X_AXIS, ruler};
+use socam_chart::chart::{X_AXIS, ruler};
 use socam_chart::theme;
 use socam_workbench::Request;
 use socam_workbench::arrangement::Plot;
@@ -54,7 +54,7 @@ impl Review {
         });
         if is_scrolled {
             ui.spacing_mut().item_spacing.y = 0.0;
-            ruler(ui, &drawing.columns, drawing.x, Scale::Linear, "time, s");
+            ruler(ui, &drawing.columns, drawing.x, drawing.time_axis.scale, &drawing.time_axis.label);
         }
         let (done, problem) = done.inner;
         match done {

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use egui::{Rect, Ui, UiBuilder};
+use egui::{Rect, Role, Ui, UiBuilder, WidgetInfo};
 
 use super::content::having;
 use super::{Drawing, Review};
 use crate::progress::wake;
+use crate::spectra::choices::{self, length_text};
 use crate::spectra::spectrogram::{colours, spectrogram};
 use socam_chart::chart::{Backdrop, Chart};
 use socam_chart::colours::Colours;
@@ -15,13 +16,13 @@ use socam_samples::Samples;
 use socam_workbench::computed::Computed;
 use socam_workbench::recording::short;
 use socam_workbench::signal::Signal;
+use socam_workbench::spectrum_settings::{SHORTEST, Scaling, SpectrumSettings};
 
 /// Height of the row in which the channel is chosen, points.
 const HEAD: f32 = 26.0;
-/// Columns of a picture, and samples of a window where there are enough.
+/// Columns of a picture, and the longest window that is chosen by the range in sight.
 const COLUMNS: usize = 400;
 const LONGEST: usize = 1024;
-const SHORTEST: usize = 64;
 
 /// Inputs on which a picture depends.
 #[derive(Debug, Clone)]
@@ -31,13 +32,14 @@ struct Key {
     /// Range of time of the recording, s.
     range: [f64; 2],
     shift_s: f64,
+    settings: SpectrumSettings,
 }
 
 impl PartialEq for Key {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.samples, &other.samples)
             && self.channel == other.channel
-            && (self.range, self.shift_s) == (other.range, other.shift_s)
+            && (self.range, self.shift_s, self.settings) == (other.range, other.shift_s, other.settings)
     }
 }
 
@@ -74,6 +76,14 @@ impl Review {
         let mut head = ui.new_child(UiBuilder::new().max_rect(rect.with_max_y(rect.top() + HEAD)));
         head.horizontal(|ui| {
             super::choose_signal(ui, (tile, "of"), "spectrogram of", signal, drawing.signals);
+            let spectra = &mut self.spectra;
+            let text = format!("{}, {}", spectra.window.name(), length_text(spectra.length));
+            let menu = ui.menu_button(text, |ui| {
+                choices::rows(ui, spectra);
+            });
+            let said = "Window of the spectrogram";
+            menu.response.widget_info(|| WidgetInfo::labeled(Role::Button, true, said));
+            menu.response.on_hover_text("The window of all spectrograms and spectra");
         });
         let mut state = self.spectrograms.remove(&tile).unwrap_or_default();
         let mut part = ui.new_child(UiBuilder::new().max_rect(rect.with_min_y(rect.top() + HEAD)));
@@ -86,12 +96,21 @@ impl Review {
             part.max_rect().size(),
         );
         chart.x = drawing.x;
-        chart.x_label = if has_axis { "time, s".into() } else { String::new() };
+        chart.scales[0] = drawing.time_axis.scale;
+        chart.x_label = if has_axis { drawing.time_axis.label.clone() } else { String::new() };
         chart.when_empty = "no spectrogram yet";
         chart.stack = Some(super::stack());
         if let Some((entry, samples, channel)) = first {
             let range = drawing.x.map(|x| x - entry.shift_s);
-            let key = Key { samples: (*samples).clone(), channel: *channel, range, shift_s: entry.shift_s };
+            let settings = SpectrumSettings {
+                // These do not change a spectrogram.
+                scaling: Scaling::default(),
+                in_sight: false,
+                overlap_percent: 0,
+                ..self.spectra
+            };
+            let (samples, channel, shift_s) = ((*samples).clone(), *channel, entry.shift_s);
+            let key = Key { samples, channel, range, shift_s, settings };
             state.draw(ui, &mut chart, &key, &signal.unit);
         }
         chart.hover = self.linked.at();
@@ -112,10 +131,11 @@ impl Review {
 impl Spectrogram {
     fn draw(&mut self, ui: &Ui, chart: &mut Chart, key: &Key, unit: &str) {
         let rows = key.samples.row_at(key.range[0])..key.samples.row_at(key.range[1]);
-        let length = (1_usize << (rows.len() / 16).max(1).ilog2()).clamp(SHORTEST, LONGEST);
+        let usual = || (1_usize << (rows.len() / 16).max(1).ilog2()).clamp(SHORTEST, LONGEST);
+        let length = key.settings.length.unwrap_or_else(usual);
         let own = key.clone();
         let work = move |handle: &socam_workbench::job::Handle| {
-            spectrogram(&own.samples, own.channel, own.range, (COLUMNS, length), handle)
+            spectrogram(&own.samples, own.channel, own.range, (COLUMNS, own.settings.welch(length)), handle)
         };
         match self.cells.get(&wake(ui.ctx()), key, work) {
             Some((of, Ok(cells))) if self.of.as_ref() != Some(of) => {
@@ -129,8 +149,11 @@ impl Spectrogram {
             Some((_, Ok(_))) | None => {}
             Some((_, Err(_))) => {
                 (self.heat, self.of) = (None, None);
-                chart.when_empty =
-                    "too short for a spectrogram: it takes 64 samples without a gap or a missing value";
+                chart.when_empty = if key.settings.length.is_some() {
+                    "no window of so many samples in sight without a gap or a missing value: choose a shorter one"
+                } else {
+                    "too short for a spectrogram: it takes 64 samples without a gap or a missing value"
+                };
             }
         }
         if let Some(heat) = &self.heat {

@@ -34,9 +34,9 @@ fn count(row: &StatisticsRow) -> String {
 
 impl Review {
     pub(super) fn statistics(&self, ui: &mut Ui, drawing: &Drawing<'_>) {
-        let (range, what) = match self.cursors {
-            Some([a, b]) if a != b => ([a.min(b), a.max(b)], "between the cursors"),
-            _ => (drawing.x, "of the visible range"),
+        let (range, what) = match self.between_cursors() {
+            Some(range) => (range, "between the cursors"),
+            None => (drawing.x, "of the visible range"),
         };
         let rows =
             rows(&drawing.drawn, (drawing.entries, &self.units), |samples, channel, shift_s, per_si| {

@@ -124,7 +124,7 @@ impl Review {
         entries: &mut Vec<Entry>,
         signals: &[Signal],
     ) -> Option<Request> {
-        let mut action = None;
+        let (mut action, mut wanted) = (None, None);
         ui.horizontal_wrapped(|ui| {
             if ui.button("Fit all").on_hover_text("Show everything (Home, or double-click a chart)").clicked()
             {
@@ -159,9 +159,14 @@ impl Review {
                 self.choose_reference(ui, entries);
             }
             super::units::menu(ui, &mut self.units, signals);
+            if super::clock::is_known(entries) {
+                let button = ui.toggle_value(&mut self.clock_time, "Time of day");
+                button.on_hover_text("Times of day on the time axis, as the recording states them");
+            }
+            wanted = self.fit_button(ui);
             hint(ui);
         });
-        self.act(action?, signals)
+        wanted.or_else(|| self.act(action?, signals))
     }
 
     fn cursor_buttons(&mut self, ui: &mut Ui, entries: &[Entry]) {
@@ -175,6 +180,22 @@ impl Review {
         {
             self.zoom_to_cursors();
         }
+    }
+
+    /// The range between the cursors, where they are apart.
+    pub(super) fn between_cursors(&self) -> Option<[f64; 2]> {
+        self.cursors.filter(|[a, b]| a != b).map(|[a, b]| [a.min(b), a.max(b)])
+    }
+
+    /// Asks for a fit of a part of the recordings, where a part is chosen.
+    fn fit_button(&self, ui: &mut Ui) -> Option<Request> {
+        let between = self.between_cursors();
+        let [from, to] = between.or(self.x).filter(|_| self.can_fit)?;
+        let what = if between.is_some() { "between the cursors" } else { "in sight" };
+        let button = ui.button("Fit this range").on_hover_text(format!(
+            "Identify and Diagnosis read what is {what} of each recording, {from:.6} s to {to:.6} s"
+        ));
+        button.clicked().then_some(Request::FitRange([from, to]))
     }
 
     fn choose_reference(&mut self, ui: &mut Ui, entries: &[Entry]) {

@@ -4,12 +4,13 @@ use std::ops::Range;
 
 use socam_chart::numbers::number;
 use socam_samples::Samples;
-use socam_spectrum::{Spectra, Welch};
+use socam_spectrum::{Detrend, Spectra, Welch};
 use socam_workbench::job::Handle;
+use socam_workbench::spectrum_settings::{SHORTEST, Scaling, SpectrumSettings};
 
 /// Greatest number of averaged windows, spread over the recording.
 const WINDOWS: usize = 300;
-const SHORTEST: usize = 64;
+/// Longest segment that is chosen by the length of the recording.
 const LONGEST: usize = 1 << 15;
 
 /// Text for a recording without windows.
@@ -22,10 +23,21 @@ pub(super) type Densities = Vec<Option<Spectra>>;
 /// What spectra are made of.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Part {
-    /// Range of time, s; `None` is the whole recording.
-    pub(super) range_s: Option<[f64; 2]>,
-    /// Samples of a window; `None` is as many as leave eight windows or more.
-    pub(super) length: Option<usize>,
+    /// Range of the recording's own time, s; `None` is the whole recording.
+    range_s: Option<[f64; 2]>,
+    /// How they are made; scales do not count.
+    settings: SpectrumSettings,
+}
+
+impl Part {
+    /// What is made of a recording that is drawn `shift_s` later, while the view over time has a range in sight.
+    pub(super) fn of(settings: SpectrumSettings, in_sight: Option<[f64; 2]>, shift_s: f64) -> Self {
+        let range_s = in_sight.filter(|_| settings.in_sight).map(|range| range.map(|time| time - shift_s));
+        Self {
+            range_s,
+            settings: SpectrumSettings { scaling: Scaling::default(), in_sight: false, ..settings },
+        }
+    }
 }
 
 /// # Errors
@@ -35,9 +47,10 @@ pub(super) fn densities(samples: &Samples, part: Part, handle: &Handle) -> Resul
     let longest = runs.iter().map(Range::len).max().unwrap_or(0);
     // Eight windows or more, so that their mean is smooth; fewer only where there are few samples.
     let usual = || (1_usize << (longest / 4).max(1).ilog2()).clamp(SHORTEST, LONGEST);
-    let length = part.length.unwrap_or_else(usual);
-    let mut welch: Vec<Welch> = (0..samples.channels()).map(|_| Welch::new(length)).collect();
-    let starts = starts(&runs, length);
+    let length = part.settings.length.unwrap_or_else(usual);
+    let mut welch: Vec<Welch> = (0..samples.channels()).map(|_| part.settings.welch(length)).collect();
+    let hop = welch.first().map_or(length, Welch::hop);
+    let starts = starts(&runs, length, hop);
     for (done, start) in starts.iter().enumerate() {
         handle.reached(done as f32 / starts.len() as f32)?;
         for (channel, welch) in welch.iter_mut().enumerate() {
@@ -61,59 +74,27 @@ fn runs(samples: &Samples, range_s: Option<[f64; 2]>) -> Vec<Range<usize>> {
     samples.segments().iter().map(run).filter(|run| !run.is_empty()).collect()
 }
 
-/// First rows of windows of one length; they overlap by half and do not cross gaps.
-fn starts(runs: &[Range<usize>], length: usize) -> Vec<usize> {
+/// First rows of windows of one length, `hop` rows apart, that do not cross gaps.
+fn starts(runs: &[Range<usize>], length: usize, hop: usize) -> Vec<usize> {
     let mut starts = Vec::new();
     for run in runs.iter().filter(|run| run.len() >= length) {
-        starts.extend((run.start..=run.end - length).step_by(length / 2));
+        starts.extend((run.start..=run.end - length).step_by(hop));
     }
     let every = starts.len().div_ceil(WINDOWS).max(1);
     starts.into_iter().step_by(every).collect()
 }
 
-/// How a spectrum is scaled.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum Scaling {
-    /// Amplitude spectral density, unit per sqrt(Hz): the level of noise.
-    #[default]
-    Density,
-    /// Amplitude of a sine at that frequency, unit.
-    Amplitude,
-    /// Power density in decibels relative to the unit squared per Hz.
-    Decibel,
-}
-
-/// Width of the peak of a sine under a Hann window, lines.
-const HANN_LINES: f64 = 1.5;
-
-impl Scaling {
-    pub(super) const ALL: [(Self, &str); 3] =
-        [(Self::Density, "density"), (Self::Amplitude, "amplitude"), (Self::Decibel, "dB")];
-
-    /// Unit of a channel's spectrum.
-    pub(super) fn unit(self, unit: &str) -> String {
-        match self {
-            Self::Density => format!("{unit} per sqrt(Hz)"),
-            Self::Amplitude => unit.to_owned(),
-            Self::Decibel => format!("dB of ({unit})²/Hz"),
-        }
-    }
-
-    fn of(self, density: f64, step_hz: f64) -> f64 {
-        match self {
-            Self::Density => density.sqrt(),
-            Self::Amplitude => (2.0 * HANN_LINES * step_hz * density).sqrt(),
-            Self::Decibel => 10.0 * density.max(1e-300).log10(),
-        }
-    }
-}
-
-/// What the spectra cannot show, and how smooth they are.
-pub(super) fn remark(spectra: &Spectra) -> String {
-    let window_s = 1.0 / spectra.step_hz();
+/// How they were made, how smooth they are, and what they cannot show.
+pub(super) fn remark(spectra: &Spectra, settings: &SpectrumSettings) -> String {
+    let removed = match settings.detrend {
+        Detrend::Nothing => "",
+        Detrend::Mean => ", their mean taken off",
+        Detrend::Line => ", their straight line taken off",
+    };
     format!(
-        "Hann window of {} s, {} averaged: lines are {} Hz apart, slower signals do not show",
-        number(window_s),
+        "{} window of {} s, {} averaged{removed}: lines are {} Hz apart, slower signals do not show",
+        settings.window.name(),
+        number(1.0 / spectra.step_hz()),
         socam_plot::words::counted(spectra.segments() as usize, "window", "windows"),
         number(spectra.step_hz())
     )
@@ -121,9 +102,8 @@ pub(super) fn remark(spectra: &Spectra) -> String {
 
 /// A spectrum over frequency, Hz, without the mean.
 pub(super) fn line(spectra: &Spectra, scaling: Scaling) -> Vec<[f64; 2]> {
-    let density = spectra.density(0).into_iter().enumerate().skip(1);
-    let step_hz = spectra.step_hz();
-    density.map(|(line, density)| [spectra.frequency_hz(line), scaling.of(density, step_hz)]).collect()
+    let values = scaling.values(spectra).into_iter().enumerate().skip(1);
+    values.map(|(line, value)| [spectra.frequency_hz(line), value]).collect()
 }
 
 #[cfg(test)]
@@ -181,7 +161,10 @@ mod tests {
         );
         let samples = Samples::in_memory(time_s, &[values], data.unwrap().segments().to_vec());
         let at_50_hz = |range_s: [f64; 2]| {
-            let part = Part { range_s: Some(range_s), length: Some(1000) };
+            let settings =
+                SpectrumSettings { length: Some(1000), in_sight: true, ..SpectrumSettings::default() };
+            // It is drawn 2 s later than it is.
+            let part = Part::of(settings, Some(range_s.map(|time| time + 2.0)), 2.0);
             let all = densities(&samples, part, &Handle::default()).unwrap();
             let spectra = all[0].as_ref().unwrap();
             assert!((spectra.step_hz() - 1.0).abs() < 1e-9);

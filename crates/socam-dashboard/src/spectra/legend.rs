@@ -2,14 +2,15 @@
 
 use egui::{RichText, Ui, vec2};
 
+use super::Shown;
 use socam_chart::swatch::swatch;
-use socam_workbench::recording::{Recording, short};
+use socam_workbench::recording::short;
 
 /// The colour and short name of each recording.
-pub(super) fn legend(ui: &mut Ui, shown: &[(usize, &Recording)]) {
+pub(super) fn legend(ui: &mut Ui, shown: &[Shown<'_>]) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 16.0;
-        for (number, recording) in shown {
+        for (number, recording, _) in shown {
             let full_name = &recording.about.name;
             let name = short(full_name);
             ui.allocate_ui(vec2(LEGEND_ENTRY, ui.spacing().interact_size.y), |ui| {

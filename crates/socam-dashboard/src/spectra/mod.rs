@@ -1,6 +1,7 @@
 //! The frequency view: spectra, frequency responses with coherence, poles and zeros.
 
 mod cache;
+pub(crate) mod choices;
 mod densities;
 mod legend;
 mod model_response;
@@ -15,9 +16,10 @@ use egui::{ComboBox, Ui};
 use socam_model::Model;
 
 use crate::platform::ResponseOptions;
+use crate::together::together;
 use crate::view::{Help, ViewPanel};
 use cache::Cache;
-use densities::{Densities, Scaling, densities};
+use densities::{Densities, densities};
 use legend::legend;
 use socam_chart::chart::{self, Seen};
 use socam_response::{Measured, Settings};
@@ -25,6 +27,7 @@ use socam_samples::Samples;
 use socam_workbench::Workspace;
 use socam_workbench::entry::Entry;
 use socam_workbench::recording::{Recording, short};
+use socam_workbench::spectrum_settings::{Scaling, SpectrumSettings};
 
 /// A kind of chart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -51,14 +54,8 @@ struct Between {
 /// The model, and the number that it has until it is replaced.
 type Numbered<'m> = (&'m Model, u64);
 
-/// Part of the recordings of which spectra are made.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct SpectrumPart {
-    /// Whether only what the view over time has in sight counts.
-    is_in_sight: bool,
-    /// Samples of a window; `None`: as the recording's length allows.
-    length: Option<usize>,
-}
+/// A recording that is shown: number, recording, and what its spectra are made of.
+type Shown<'e> = (usize, &'e Recording, densities::Part);
 
 /// State of the view.
 #[derive(Default)]
@@ -69,8 +66,6 @@ pub struct Spectra {
     output: Option<String>,
     options: ResponseOptions,
     between: poles::ZeroChannels,
-    part: SpectrumPart,
-    scaling: Scaling,
     /// Whether magnitudes of responses are in decibels.
     pub in_decibel: bool,
     densities: Cache<densities::Part, Densities>,
@@ -85,10 +80,9 @@ impl std::fmt::Debug for Spectra {
 
 impl ViewPanel for Spectra {
     fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, seen: &mut Vec<Seen>) {
-        let numbered = (workspace.model(), workspace.revision());
-        let in_sight = workspace.in_sight;
-        egui::CentralPanel::default()
-            .show(ui, |ui| self.draw(ui, (&workspace.entries, in_sight), numbered, seen));
+        let mut settings = workspace.spectra;
+        egui::CentralPanel::default().show(ui, |ui| self.draw(ui, workspace, &mut settings, seen));
+        workspace.spectra = settings;
     }
 
     fn poll(&mut self, _: &egui::Context, _: &mut Workspace) {
@@ -103,9 +97,10 @@ impl ViewPanel for Spectra {
     fn help() -> Help {
         &[
             (
-                "Spectrum; Window; Range in sight; density; amplitude; dB",
-                "spectra by Welch's method with a Hann window: samples of a window, the whole recording or what the Time view has in sight; the level of noise, the amplitude of a sine, or power in decibels",
+                "Spectrum; Range in sight; Window; of; without; overlap",
+                "spectra by Welch's method: of the whole recording or of what the Time view has in sight; the window and its samples, what is taken off each window (its mean, its straight line), and how far neighbours overlap; spectrograms of the Time view have the same window; all of it is part of the layout",
             ),
+            ("density; amplitude; dB", "the level of noise, the amplitude of a sine, or power in decibels"),
             (
                 "Response; output; over input; Magnitude in dB; Band, Hz",
                 "output over input with coherence, as identify --method frf estimates it with the options of that command, and the model's own response; 20 dB are a factor of ten of the magnitude in SI",
@@ -122,10 +117,12 @@ impl Spectra {
     fn draw(
         &mut self,
         ui: &mut Ui,
-        (entries, in_sight): (&[Entry], Option<[f64; 2]>),
-        numbered: Numbered<'_>,
+        workspace: &Workspace,
+        settings: &mut SpectrumSettings,
         seen: &mut Vec<Seen>,
     ) {
+        let (entries, in_sight) = (&workspace.entries, workspace.in_sight);
+        let numbered = (workspace.model(), workspace.revision());
         let (model, _) = numbered;
         ui.horizontal_wrapped(|ui| {
             for (kind, name) in [
@@ -141,7 +138,7 @@ impl Spectra {
                     let tick = ui.checkbox(&mut self.in_decibel, "Magnitude in dB");
                     tick.on_hover_text("20 times the decimal logarithm of the magnitude in SI");
                 }
-                ChartType::Spectrum => self.spectrum_options(ui, in_sight.is_some()),
+                ChartType::Spectrum => spectrum_options(ui, settings, in_sight.is_some()),
                 ChartType::Poles => {}
             }
         });
@@ -149,10 +146,9 @@ impl Spectra {
             poles::ui(ui, model, &mut self.between, seen);
             return;
         }
-        let shown: Vec<(usize, &Recording)> = entries
-            .iter()
-            .filter(|entry| entry.shown)
-            .map(|entry| (entry.number, &entry.recording))
+        let shown = entries.iter().filter(|entry| entry.shown);
+        let shown: Vec<Shown<'_>> = shown
+            .map(|own| (own.number, &own.recording, densities::Part::of(*settings, in_sight, own.shift_s)))
             .collect();
         if shown.is_empty() {
             chart::empty_state(
@@ -165,40 +161,14 @@ impl Spectra {
         if let (ChartType::Response, Some(input), Some(output)) =
             (self.kind, self.input.as_deref(), self.output.as_deref())
         {
-            self.options.ui(ui, model, [input, output], &shown);
+            let recordings: Vec<_> = shown.iter().map(|(number, own, _)| (*number, *own)).collect();
+            self.options.ui(ui, model, [input, output], &recordings);
         }
-        let part =
-            densities::Part { range_s: in_sight.filter(|_| self.part.is_in_sight), length: self.part.length };
-        self.compute(ui, &shown, numbered, part);
+        self.compute(ui, &shown, numbered);
         legend(ui, &shown);
         match self.kind {
             ChartType::Response => self.response(ui, &shown, numbered, seen),
-            _ => self.spectrum(ui, &shown, part, seen),
-        }
-    }
-
-    /// Range, window and scale of spectra.
-    fn spectrum_options(&mut self, ui: &mut Ui, is_zoomed: bool) {
-        ui.separator();
-        ui.add_enabled_ui(is_zoomed, |ui| {
-            let tick = ui.checkbox(&mut self.part.is_in_sight, "Range in sight");
-            tick.on_hover_text("Of the range of time that the Time view shows")
-                .on_disabled_hover_text("Zoom in the Time view: its range is then used");
-        });
-        let label = ui.label("Window");
-        let name = |length: Option<usize>| {
-            length.map_or_else(|| "by length".to_owned(), |length| format!("{length} samples"))
-        };
-        let shown = ComboBox::from_id_salt("window").selected_text(name(self.part.length)).width(110.0);
-        let shown = shown.show_ui(ui, |ui| {
-            let lengths = (8..=18).step_by(2).map(|power| Some(1_usize << power));
-            for length in std::iter::once(None).chain(lengths) {
-                ui.selectable_value(&mut self.part.length, length, name(length));
-            }
-        });
-        shown.response.labelled_by(label.id);
-        for (scaling, name) in Scaling::ALL {
-            ui.selectable_value(&mut self.scaling, scaling, name);
+            _ => self.spectrum(ui, &shown, settings, seen),
         }
     }
 
@@ -209,17 +179,14 @@ impl Spectra {
     }
 
     /// Starts the work on what the chart lacks, of one recording after another.
-    fn compute(
-        &mut self,
-        ui: &mut Ui,
-        shown: &[(usize, &Recording)],
-        (model, revision): Numbered<'_>,
-        part: densities::Part,
-    ) {
+    fn compute(&mut self, ui: &mut Ui, shown: &[Shown<'_>], (model, revision): Numbered<'_>) {
         let is_shown = |samples: &Arc<Samples>| {
-            shown.iter().any(|(_, recording)| Arc::ptr_eq(&recording.samples, samples))
+            shown.iter().any(|(_, recording, _)| Arc::ptr_eq(&recording.samples, samples))
         };
-        self.densities.retain(|samples, own| is_shown(samples) && *own == part);
+        let is_wanted = |samples: &Arc<Samples>, part: &densities::Part| {
+            shown.iter().any(|(_, own, wanted)| Arc::ptr_eq(&own.samples, samples) && wanted == part)
+        };
+        self.densities.retain(is_wanted);
         self.responses.retain(|samples, between| between.revision == revision && is_shown(samples));
         let name = |recording: &Recording| short(&recording.about.name).to_owned();
         if self.kind == ChartType::Response {
@@ -228,7 +195,7 @@ impl Spectra {
                 between.columns.iter().all(|column| recording.has_column(column))
                     && self.responses.get(&recording.samples, &between).is_none()
             };
-            if let Some((_, recording)) = shown.iter().find(|(_, recording)| lacks(recording)) {
+            if let Some((_, recording, _)) = shown.iter().find(|(_, recording, _)| lacks(recording)) {
                 let (own, model, wanted) = ((*recording).clone(), model.clone(), between.clone());
                 let title = format!("Response of {}", name(recording));
                 self.responses.start(ui, &title, (own.samples.clone(), between), move |handle| {
@@ -238,9 +205,9 @@ impl Spectra {
             }
             self.responses.progress(ui);
         } else {
-            let lacks = |recording: &Recording| self.densities.get(&recording.samples, &part).is_none();
-            if let Some((_, recording)) = shown.iter().find(|(_, recording)| lacks(recording)) {
-                let samples = recording.samples.clone();
+            let lacks = |(_, own, part): &&Shown<'_>| self.densities.get(&own.samples, part).is_none();
+            if let Some((_, recording, part)) = shown.iter().find(lacks) {
+                let (samples, part) = (recording.samples.clone(), *part);
                 let title = format!("Spectra of {}", name(recording));
                 let work = samples.clone();
                 self.densities
@@ -270,14 +237,30 @@ impl Spectra {
             if chosen.as_ref().is_none_or(|own| !columns.contains(own)) {
                 chosen.clone_from(default);
             }
-            let label = ui.label(name);
             let text = chosen.clone().unwrap_or_default();
-            let shown = ComboBox::from_id_salt(name).selected_text(text).width(180.0).show_ui(ui, |ui| {
-                for column in &columns {
-                    ui.selectable_value(chosen, Some(column.clone()), column);
-                }
+            together(ui, name, 188.0, |ui| {
+                ComboBox::from_id_salt(name).selected_text(text).width(180.0).show_ui(ui, |ui| {
+                    for column in &columns {
+                        ui.selectable_value(chosen, Some(column.clone()), column);
+                    }
+                })
             });
-            shown.response.labelled_by(label.id);
         }
+    }
+}
+
+/// Range, window and scale of spectra.
+fn spectrum_options(ui: &mut Ui, settings: &mut SpectrumSettings, is_zoomed: bool) {
+    ui.separator();
+    ui.add_enabled_ui(is_zoomed, |ui| {
+        let tick = ui.checkbox(&mut settings.in_sight, "Range in sight");
+        tick.on_hover_text("Of the range of time that the Time view shows")
+            .on_disabled_hover_text("Zoom in the Time view: its range is then used");
+    });
+    choices::window(ui, settings);
+    choices::overlap(ui, settings);
+    ui.separator();
+    for (scaling, name) in Scaling::ALL {
+        ui.selectable_value(&mut settings.scaling, scaling, name);
     }
 }

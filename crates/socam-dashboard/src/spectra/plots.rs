@@ -5,35 +5,36 @@ use std::collections::BTreeSet;
 use egui::{RichText, Ui, vec2};
 use socam_chart::chart::{self, Chart, Curve, Scale, Seen, Style, range_of};
 use socam_chart::theme;
-use socam_workbench::recording::{Recording, short};
+use socam_workbench::recording::short;
+use socam_workbench::spectrum_settings::{Scaling, SpectrumSettings};
 
-use super::densities::{self, Scaling};
+use super::densities;
 use super::model_response::model_response;
 use super::response::{Curves, curves};
-use super::{Numbered, Spectra};
+use super::{Numbered, Shown, Spectra};
 
 impl Spectra {
     pub(super) fn spectrum(
         &self,
         ui: &mut Ui,
-        shown: &[(usize, &Recording)],
-        part: densities::Part,
+        shown: &[Shown<'_>],
+        settings: &SpectrumSettings,
         seen: &mut Vec<Seen>,
     ) {
         let mut channels: Vec<&socam_recording::Channel> = Vec::new();
-        for channel in shown.iter().flat_map(|(_, recording)| &recording.about.channels) {
+        for channel in shown.iter().flat_map(|(_, recording, _)| &recording.about.channels) {
             if !channels.contains(&channel) {
                 channels.push(channel);
             }
         }
         let found: Vec<_> =
-            shown.iter().map(|(_, recording)| self.densities.get(&recording.samples, &part)).collect();
+            shown.iter().map(|(_, recording, part)| self.densities.get(&recording.samples, part)).collect();
         let known = || found.iter().filter_map(|result| result.as_ref()?.as_ref().ok());
         let ends = known().flatten().flatten();
         let ends = ends.flat_map(|own| [own.frequency_hz(1), own.frequency_hz(own.lines() - 1)]);
         let x = range_of(ends).unwrap_or([0.1, 500.0]);
         if let Some(spectra) = known().flatten().flatten().next() {
-            remark(ui, &densities::remark(spectra));
+            remark(ui, &densities::remark(spectra, settings));
         }
         let has_failed = found.iter().any(|result| matches!(result, Some(Err(_))));
         let height = heights(ui, channels.len());
@@ -45,19 +46,19 @@ impl Spectra {
         egui::ScrollArea::vertical().auto_shrink(false).max_height(part).show(ui, |ui| {
             for (place, channel) in channels.iter().enumerate() {
                 let is_last = place + 1 == channels.len();
-                let title = format!("{}, {}", channel.name, self.scaling.unit(&channel.unit.to_string()));
+                let title = format!("{}, {}", channel.name, settings.scaling.unit(&channel.unit.to_string()));
                 let size = vec2(ui.available_width(), if is_last { height + AXIS } else { height });
                 let mut chart = Chart::new(("spectrum", channel.column_name()), title, size);
-                for ((number, recording), found) in shown.iter().zip(&found) {
+                for ((number, recording, _), found) in shown.iter().zip(&found) {
                     let own = recording.about.channels.iter().position(|other| other == *channel);
                     let Some((index, Ok(all))) = own.zip(*found) else { continue };
                     if let Some(spectra) = &all[index] {
-                        let line = densities::line(spectra, self.scaling);
+                        let line = densities::line(spectra, settings.scaling);
                         chart.curves.push(curve(ui, *number, &recording.about.name, vec![line]));
                     }
                 }
                 finish(&mut chart, x, is_last);
-                let is_linear = self.scaling == Scaling::Decibel;
+                let is_linear = settings.scaling == Scaling::Decibel;
                 chart.scales = [Scale::Log, if is_linear { Scale::Linear } else { Scale::Log }];
                 let values = chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]));
                 chart.y = if is_linear {
@@ -79,14 +80,14 @@ impl Spectra {
     pub(super) fn response(
         &self,
         ui: &mut Ui,
-        shown: &[(usize, &Recording)],
+        shown: &[Shown<'_>],
         (model, revision): Numbered<'_>,
         seen: &mut Vec<Seen>,
     ) {
         let Some(between) = self.chosen(revision) else { return };
         let [input, output] = &between.columns;
         let found: Vec<_> =
-            shown.iter().map(|(_, recording)| self.responses.get(&recording.samples, &between)).collect();
+            shown.iter().map(|(_, recording, _)| self.responses.get(&recording.samples, &between)).collect();
         let lines =
             || found.iter().filter_map(|result| Some(&result.as_ref()?.as_ref().ok()?.response.lines));
         let x = range_of(lines().flatten().map(|line| line.frequency_hz)).unwrap_or([0.1, 100.0]);
@@ -99,7 +100,7 @@ impl Spectra {
             ("coherence", "coherence".to_owned()),
         ]
         .map(|(id, title)| Chart::new(("response", id), title, vec2(0.0, 0.0)));
-        for ((number, recording), found) in shown.iter().zip(&found) {
+        for ((number, recording, _), found) in shown.iter().zip(&found) {
             let Some(Ok(measured)) = found else { continue };
             let Curves { magnitude, phase, coherence } = curves(&measured.response);
             for (chart, line) in charts.iter_mut().zip([magnitude, phase, vec![coherence]]) {
@@ -124,7 +125,7 @@ impl Spectra {
         );
         // Several recordings may have the same warning.
         let mut remarks = BTreeSet::new();
-        for ((_, recording), found) in shown.iter().zip(&found) {
+        for ((_, recording, _), found) in shown.iter().zip(&found) {
             match found {
                 Some(Err(problem)) => {
                     remarks.insert(format!("{}: {problem}", short(&recording.about.name)));
@@ -175,8 +176,8 @@ fn decibels(parts: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
 }
 
 /// Name and unit of the channel of a column.
-fn signal_of(shown: &[(usize, &Recording)], column: &str) -> (String, String) {
-    let mut channels = shown.iter().flat_map(|(_, recording)| &recording.about.channels);
+fn signal_of(shown: &[Shown<'_>], column: &str) -> (String, String) {
+    let mut channels = shown.iter().flat_map(|(_, recording, _)| &recording.about.channels);
     match channels.find(|channel| channel.column_name() == column) {
         Some(channel) => (channel.name.clone(), channel.unit.to_string()),
         None => (column.to_owned(), "1".into()),

@@ -17,7 +17,7 @@ const SAME_RATE: f64 = 0.01;
 /// Decibels below the greatest density that are shown.
 const SHOWN_DB: f64 = 90.0;
 
-/// The power spectral density, dB relative to one unit squared per Hz, of windows of `length` samples: `columns` over a range of time,
+/// The power spectral density, dB relative to one unit squared per Hz, of the windows of `welch`: `columns` over a range of time,
 /// s, and a row for each frequency, Hz. A column without a whole window, as in a gap, is missing.
 ///
 /// # Errors
@@ -26,10 +26,10 @@ pub fn spectrogram(
     samples: &Samples,
     channel: usize,
     [from_s, to_s]: [f64; 2],
-    (columns, length): (usize, usize),
+    (columns, mut welch): (usize, Welch),
     handle: &Handle,
 ) -> Result<Cells, String> {
-    let mut welch = Welch::new(length);
+    let length = welch.length();
     let step_s = samples.segments().iter().map(|segment| segment.sample_time_s).fold(0.0, f64::max);
     let (rows, mut step_hz) = (length / 2, 0.0);
     let mut values = Vec::with_capacity(columns * rows);
@@ -101,7 +101,8 @@ mod tests {
 
     #[test]
     fn a_chirp_is_a_line_that_rises_with_its_power() {
-        let cells = spectrogram(&chirp(), 0, [0.0, 10.0], (100, 256), &Handle::default()).unwrap();
+        let cells =
+            spectrogram(&chirp(), 0, [0.0, 10.0], (100, Welch::new(256)), &Handle::default()).unwrap();
         let step_hz = (cells.y[1] - cells.y[0]) / cells.rows as f64;
         for column in (4..38).chain(54..96) {
             let middle_s = (column as f64 + 0.5) * 0.1;
@@ -119,7 +120,7 @@ mod tests {
 
     #[test]
     fn what_is_too_short_says_so() {
-        let found = spectrogram(&chirp(), 0, [0.0, 10.0], (10, 8192), &Handle::default());
+        let found = spectrogram(&chirp(), 0, [0.0, 10.0], (10, Welch::new(8192)), &Handle::default());
         assert_eq!(found.err().as_deref(), Some(TOO_SHORT));
     }
 }

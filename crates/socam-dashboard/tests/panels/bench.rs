@@ -213,3 +213,52 @@ fn a_session_is_saved_and_shows_everything_again() {
     window.get_by_label_contains("the session names 1 file that is not there: ");
     assert_eq!(window.state().workspace.entries.len(), 1);
 }
+
+#[test]
+fn the_window_of_spectra_is_chosen_and_part_of_the_layout() {
+    let mut window = with(View::Frequency, 1);
+    until(&mut window, "the spectra", |window| !window.state().is_busy());
+    window.run_steps(2);
+    window.get_by_label_contains("s, 14 windows averaged, their mean taken off");
+    for (list, choice) in
+        [("Window", "flat top"), ("of", "256 samples"), ("without", "trend"), ("overlap", "75 %")]
+    {
+        click(&mut window, list);
+        click(&mut window, choice);
+    }
+    until(&mut window, "the spectra", |window| !window.state().is_busy());
+    window.run_steps(2);
+    // 4000 samples have 59 windows of 256 that are 64 apart.
+    window.get_by_label_contains("s, 59 windows averaged, their straight line taken off");
+    // A range in sight has fewer.
+    window.state_mut().views.time.x = Some([1.0, 1.5115]);
+    window.state_mut().workspace.in_sight = Some([1.0, 1.5115]);
+    window.run_steps(2);
+    click(&mut window, "Range in sight");
+    until(&mut window, "the spectra", |window| !window.state().is_busy());
+    window.run_steps(2);
+    window.get_by_label_contains("s, 5 windows averaged");
+    let layout: Layout =
+        serde_json::from_str(&serde_json::to_string(&window.state().layout).unwrap()).unwrap();
+    let spectra = layout.plots.spectra;
+    assert_eq!((spectra.length, spectra.overlap_percent, spectra.in_sight), (Some(256), 75, true));
+    // A spectrogram has the same window.
+    window.state_mut().layout.view = View::Time;
+    window.run_steps(2);
+    press(&mut window, Key::G);
+    until(&mut window, "the picture", |window| !window.state().is_busy());
+    click(&mut window, "Window of the spectrogram");
+    click(&mut window, "Window Blackman");
+    assert_eq!(window.state().layout.plots.spectra.window.name(), "Blackman");
+}
+
+#[test]
+fn times_of_day_stand_below_the_plots_where_a_recording_states_them() {
+    let mut window = with(View::Time, 1);
+    assert!(!has(&window, "Time of day"));
+    let epoch = socam_recording::Epoch::Date(1_777_644_200_000_000_000);
+    window.state_mut().workspace.entries[0].recording.about.epoch = Some(epoch);
+    window.run_steps(2);
+    click(&mut window, "Time of day");
+    assert!(window.state().layout.plots.clock_time);
+}

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::clicks::{click, until, window};
+use crate::clicks::{click, has, until, window, with};
 use crate::files::save_as;
 use crate::fits::two_mass;
 use crate::sample;
@@ -169,4 +169,21 @@ fn the_window_follows_the_look_of_the_system_until_one_is_chosen() {
     window.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, egui::Key::L);
     window.run_steps(3);
     assert_eq!(look(&mut window, egui::Theme::Dark), (Look::Light, egui::Theme::Light));
+}
+
+#[test]
+fn a_view_gets_a_window_of_its_own_with_the_emergency_stop_and_comes_back() {
+    let mut window = with(View::Check, 1);
+    click(&mut window, "View");
+    click(&mut window, "This view in a window of its own");
+    window.get_by_label("Check has a window of its own");
+    assert_eq!(window.get_all_by_label("EMERGENCY STOP").count(), 2);
+    // The main window shows another view beside it.
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Num2);
+    window.run_steps(4);
+    window.get_by_label("Back to the main window");
+    window.get_by_label("Chart command, V");
+    click(&mut window, "Back to the main window");
+    assert_eq!(window.state().layout.view, View::Check);
+    assert!(!has(&window, "Back to the main window") && !has(&window, "Check has a window of its own"));
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-use crate::clicks::{click, until, window};
+use crate::clicks::{click, has, until, window};
 use crate::files::save_as;
 use crate::sample;
 use egui_kittest::Harness;
@@ -15,6 +15,7 @@ use socam_identify::{IdentifyError, Intersample, Observer, Predictor, Progress, 
 use socam_model::Model;
 use socam_recording::{Channel, Unit};
 use socam_workbench::document::{Document, parse};
+use socam_workbench::job::Handle;
 use socam_workbench::recording::Recording;
 use socam_workbench::setup::Role;
 
@@ -84,6 +85,10 @@ fn an_identification_is_set_up_run_used_and_saved() {
     // The data have white noise, and the model is the true one.
     click(&mut window, "whiteness");
     window.get_by_label_contains("Chart autocorrelation of load_speed: ");
+    click(&mut window, "by input");
+    let related = "nothing that this input causes is seen to be lacking";
+    let said = window.get_all_by_label_contains("Chart residual of load_speed with motor_torque: ");
+    assert!(said.filter_map(|node| node.accesskit_node().label()).all(|said| said.ends_with(related)));
     click(&mut window, "Sort by value");
 
     click(&mut window, "Use as model");
@@ -97,6 +102,45 @@ fn an_identification_is_set_up_run_used_and_saved() {
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     assert!(matches!(parse("fit.json", &read("fit.json")).unwrap(), Document::Identification(_)));
     assert!(read("bench.toml").contains("identified (output-error) from runs/two-mass-1.csv"));
+}
+
+/// What is in sight becomes what is fitted, and the command names it.
+#[test]
+fn the_range_in_sight_is_fitted() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.csv");
+    let data = two_mass(1, 0.0).dataset().unwrap();
+    socam_recording::export_csv(&data, &path).unwrap();
+    let run = path.display().to_string();
+    let read = |run: &str| socam_recording::Dataset::open(run).map_err(|error| error.to_string());
+    let mut dashboard = Dashboard::default();
+    dashboard.use_model(Model::builtin("two-mass").unwrap());
+    dashboard.add_recording(Recording::open(&run, read, &Handle::default()).unwrap());
+    dashboard.layout.view = View::Time;
+    let mut window = window(dashboard);
+    assert!(!has(&window, "Fit this range"), "everything is in sight");
+    window.state_mut().views.time.x = Some([0.4, 1.2]);
+    window.run_steps(2);
+    click(&mut window, "Fit this range");
+    assert_eq!(window.state().layout.view, View::Identify);
+    window.get_by_label("Of each, 0.4 s to 1.2 s");
+    window.get_by_label_contains("run.csv@0.4..1.2 --model two-mass");
+    click(&mut window, "Identify parameters");
+    until(&mut window, "a fit", |window| !window.state().is_busy());
+    window.run_steps(3);
+    let shown = window.state().views.identify.page.shown.clone().unwrap();
+    assert_eq!(shown.recordings, [format!("{run}@0.4..1.2")]);
+    // The verdict is about the recording that is open.
+    window.get_by_label("Step Identify: the model explains them");
+    // Of the other view, too; a range without samples is refused in a sentence.
+    click(&mut window, "Diagnosis");
+    window.get_by_label("Of each, 0.4 s to 1.2 s");
+    window.state_mut().workspace.setup.range_s = Some([5.0, 6.0]);
+    window.run_steps(2);
+    window.get_by_label_contains("run.csv has no samples between 5 s and 6 s");
+    assert!(is_disabled(&window, "Diagnose"));
+    click(&mut window, "Whole recordings");
+    assert!(!is_disabled(&window, "Diagnose"));
 }
 
 #[test]

@@ -161,3 +161,46 @@ fn the_rail_has_the_verdict_of_each_step() {
     window.get_by_label_contains("Step Diagnose: Physics is missing");
     assert!(window.state().workspace.rail.diagnosis.is_some());
 }
+
+fn column(window: &Window, channel: &str) -> String {
+    let mut channels = window.state().workspace.model().channels.iter();
+    channels.find(|own| own.name == channel).unwrap().column.clone()
+}
+
+#[test]
+fn columns_are_wired_to_sensors_by_dragging_and_by_a_list() {
+    let mut window = machine("two-mass", 1);
+    click(&mut window, "Columns of two-mass-1.csv");
+    window.get_by_label("read by load_speed");
+    let sensor = "motor_speed: speed, predicted by the model";
+    let place = |window: &Window, label: &str| window.get_by_label(label).rect().center();
+    let drag_to = |window: &mut Window, column: &str| {
+        let [from, to] = [column, sensor].map(|label| place(window, label));
+        crate::time::drag(window, from, to);
+    };
+    drag_to(&mut window, "load_speed_rad_s");
+    assert_eq!(column(&window, "motor_speed"), "load_speed_rad_s");
+    assert!(window.state().workspace.model().text.contains("column = \"load_speed_rad_s\""));
+    window.get_by_label("read by motor_speed, load_speed");
+    click(&mut window, "Undo the change");
+    assert_eq!(column(&window, "motor_speed"), "motor_speed_rad_s");
+    // A torque is no speed: the sentence of the model file says so, and nothing changes.
+    drag_to(&mut window, "motor_torque_Nm");
+    assert_eq!(column(&window, "motor_speed"), "motor_speed_rad_s");
+    assert!(window.get_all_by_label_contains("in N m, but a speed is in rad/s").count() > 0);
+    // By the keyboard: the sensor is selected, and its list opened.
+    window.get_by_label(sensor).focus();
+    window.run_steps(2);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    window.get_by_label("Column of motor_speed").focus();
+    window.run_steps(2);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    let choice = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == egui::Role::Button;
+    window.get_all_by_label("load_speed_rad_s").find(choice).unwrap().focus();
+    window.run_steps(2);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    assert_eq!(column(&window, "motor_speed"), "load_speed_rad_s");
+}

@@ -18,7 +18,11 @@ const NARROW: Viewport = Viewport { size: [800.0, 600.0], scale: 1.25 };
 const LARGE: Viewport = Viewport { size: [2560.0, 1440.0], scale: 1.0 };
 
 /// Look and size in which each state is drawn here; example `gallery` draws all states in all looks.
-const DRAWN: [(&str, Look, Viewport); 46] = [
+const DRAWN: [(&str, Look, Viewport); 50] = [
+    ("time-clock", Look::Dark, SMALL),
+    ("spectrum-window", Look::Light, NARROW),
+    ("identify-range", Look::Light, SMALL),
+    ("machine-columns", Look::Dark, NARROW),
     ("time-bench", Look::Dark, SMALL),
     ("time-formula", Look::Light, NARROW),
     ("response-decibel", Look::Light, SMALL),

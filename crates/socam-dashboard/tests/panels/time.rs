@@ -17,7 +17,7 @@ fn place(window: &Window, label: &str) -> Rect {
 }
 
 /// Presses at one place, moves to another one, and releases there.
-fn drag(window: &mut Window, from: Pos2, to: Pos2) {
+pub(crate) fn drag(window: &mut Window, from: Pos2, to: Pos2) {
     let button = |pos, pressed| Event::PointerButton {
         pos,
         button: PointerButton::Primary,

@@ -5,14 +5,14 @@ use std::collections::VecDeque;
 use socam_sources::can::canopen::{Canopen, Objects};
 use socam_sources::can::odrive::OdriveCan;
 use socam_sources::can::{Access, opening};
-use socam_sources::{dynamixel, feetech};
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
 use socam_sources::simulators::{
-    BusSimulator, CanopenSimulator, DynamixelSimulator, FeetechSimulator, Firmware, MoteusSimulator, Motor, OdriveCanSimulator,
-    OdriveSimulator,
+    BusSimulator, CanopenSimulator, DynamixelSimulator, FeetechSimulator, Firmware, MoteusSimulator, Motor,
+    OdriveCanSimulator, OdriveSimulator,
 };
 use socam_sources::{Chunk, Device, Heard};
+use socam_sources::{dynamixel, feetech};
 
 use crate::{END, Exposed, HOSTILE, alone, line, random};
 

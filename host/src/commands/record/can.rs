@@ -1,10 +1,8 @@
 //! `record` of a CAN bus: what its frames hold is said by a DBC, and found by listening.
 
-use std::path::Path;
-
-use anyhow::bail;
-
-use crate::device::source::{Bus, Link, Node, Place, SourceAddress};
+#[cfg(feature = "formats-can")]
+use crate::device::source::{Bus, Place};
+use crate::device::source::{Link, Node, SourceAddress};
 use crate::interrupt::Interrupt;
 use crate::output::WrongArguments;
 
@@ -34,7 +32,7 @@ fn listened(
     link: &mut Link,
     name: &str,
     bus: &Bus,
-    dbc: Option<&Path>,
+    dbc: Option<&std::path::Path>,
     interrupt: &Interrupt,
 ) -> anyhow::Result<Opened> {
     use std::sync::Arc;
@@ -94,8 +92,12 @@ fn canopen(args: &SourceArgs, address: &SourceAddress, node: u8, period_ns: i64)
 }
 
 /// The bus of an address.
+#[cfg(feature = "formats-can")]
 fn bus(address: &SourceAddress) -> anyhow::Result<&Bus> {
-    if let Place::Bus(bus) = &address.place { Ok(bus) } else { bail!("{address} is no CAN bus") }
+    match &address.place {
+        Place::Bus(bus) => Ok(bus),
+        _ => anyhow::bail!("{address} is no CAN bus"),
+    }
 }
 
 /// The commands that open the adapter of a bus.

@@ -11,7 +11,9 @@ mod run;
 mod socket;
 
 pub(crate) use address::{Place, Protocol, SourceAddress};
-pub(crate) use bus::{Bus, Node};
+#[cfg(feature = "formats-can")]
+pub(crate) use bus::Bus;
+pub(crate) use bus::Node;
 pub(crate) use link::Link;
 pub(crate) use listen::{Listened, listen};
 pub(crate) use listener::{Got, Listener, Row};

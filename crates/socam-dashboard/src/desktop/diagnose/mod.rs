@@ -99,6 +99,10 @@ const MAKING: Help = &[
         "asks whether the recordings that are fitted need physics that the model lacks, which, and where; those that are held out are the proof",
     ),
     (
+        "Range in sight; Whole recordings",
+        "what is read of each recording: all of it, or the range that the Time view has in sight, as RUN@FROM..TO in the command",
+    ),
+    (
         "False alarms; Most effects",
         "the share of complete models of which it is said that something is missing; the greatest number of effects that are added",
     ),

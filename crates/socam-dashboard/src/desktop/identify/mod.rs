@@ -1,6 +1,7 @@
 //! The view that identifies: set-up at the left, parameters with intervals, measured against predicted.
 
 mod predictions;
+mod residual_tests;
 mod run;
 mod start;
 
@@ -41,7 +42,7 @@ impl ViewPanel for Identify {
             if let Some(found) = self.found.as_ref().filter(|found| !found.predictions.is_empty()) {
                 let height = (0.45 * ui.available_height()).max(150.0);
                 egui::Panel::bottom("predicted").default_size(height).resizable(true).show(ui, |ui| {
-                    self.pictures.ui(ui, &found.predictions, seen);
+                    self.pictures.ui(ui, &found.predictions, &workspace.units, seen);
                 });
             }
             let empty = if self.start.is_busy() { RUNNING } else { EMPTY };
@@ -81,6 +82,10 @@ impl ViewPanel for Identify {
                 "the model, and the recordings that are fitted to it together; those that are held out are only predicted, as a proof; the diagnosis has the same set-up",
             ),
             (
+                "Range in sight; Whole recordings",
+                "what is read of each recording: all of it, or the range that the Time view has in sight, as RUN@FROM..TO in the command",
+            ),
+            (
                 "Start values: ...; ...: fixed; ...: start value; Values of the model",
                 "parameters that are known and not fitted, and where the others start, SI; with bounds of the model file",
             ),
@@ -107,8 +112,8 @@ impl ViewPanel for Identify {
                 "the model leaves something out, which its parameters have taken up: a diagnosis says what and where",
             ),
             (
-                "signals; residuals; whiteness; predicted recording",
-                "measured against predicted, the difference, or its autocorrelation with the band in which 95 % of the lags of white residuals are, of each channel",
+                "signals; residuals; whiteness; by input; correlated input; predicted recording",
+                "measured against predicted, the difference, its autocorrelation with the band in which 95 % of the lags of white residuals are, or its correlation with an input with the band for residuals that do not depend on it (neither needs to be white), of each channel; at positive lags the input is earlier, what lies beyond at negative ones is feedback",
             ),
         ]
     }

@@ -12,8 +12,11 @@ use socam_chart::beside::{self, measured, predicted};
 use socam_chart::chart::{Chart, Curve, Seen, Style, range_of, with_room};
 use socam_chart::theme;
 use socam_samples::{Samples, envelope};
+use socam_workbench::display_units::{DisplayUnits, ShownIn};
 use socam_workbench::recording::short;
-use socam_workbench::residual_test::Autocorrelation;
+use socam_workbench::signal::Signal;
+
+use super::residual_tests::{Place, Tests};
 
 /// One recording: for each channel the columns measured, predicted and their difference.
 #[derive(Debug)]
@@ -23,8 +26,9 @@ pub(super) struct Predicted {
     /// Names and units of the channels.
     channels: Vec<(String, String)>,
     samples: Samples,
-    /// Autocorrelations of the residuals of the channels, where they can be told.
-    whiteness: Vec<Option<Autocorrelation>>,
+    /// Names of the inputs.
+    inputs: Vec<String>,
+    tests: Tests,
 }
 
 /// Signals of all recordings at a fit; `None` where the prediction overflows.
@@ -51,7 +55,8 @@ pub(super) fn of(
             is_held_out,
             channels: channels.clone(),
             samples: samples(&own),
-            whiteness: (0..channels.len()).map(|output| whiteness(&own, output)).collect(),
+            inputs: model.inputs().map(|input| input.name.clone()).collect(),
+            tests: Tests::of(&own),
         }
     };
     Ok(data.iter().enumerate().map(one).collect())
@@ -85,14 +90,6 @@ fn samples(traces: &[&Traces]) -> Samples {
     Samples::in_memory(time_s, &columns, segments)
 }
 
-fn whiteness(traces: &[&Traces], output: usize) -> Option<Autocorrelation> {
-    let residuals = |trace: &&Traces| -> Vec<f64> {
-        trace.measured[output].iter().zip(&trace.predicted[output]).map(|(m, p)| m - p).collect()
-    };
-    let segments: Vec<Vec<f64>> = traces.iter().map(residuals).collect();
-    Autocorrelation::new(&segments.iter().map(Vec::as_slice).collect::<Vec<_>>())
-}
-
 /// What is drawn of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Picture {
@@ -100,6 +97,7 @@ enum Picture {
     Signals,
     Residuals,
     Whiteness,
+    Dependence,
 }
 
 /// Signals that are drawn, and the part of them that is shown.
@@ -107,6 +105,8 @@ enum Picture {
 pub(super) struct Pictures {
     recording: usize,
     picture: Picture,
+    /// The input with which residuals are correlated.
+    input: usize,
     /// The range of times, s, once it was moved.
     span_s: Option<[f64; 2]>,
 }
@@ -116,13 +116,14 @@ const LEAST_HEIGHT: f32 = 96.0;
 
 impl Pictures {
     /// Draws one chart for each channel of a recording.
-    pub(super) fn ui(&mut self, ui: &mut Ui, all: &[Predicted], seen: &mut Vec<Seen>) {
+    pub(super) fn ui(&mut self, ui: &mut Ui, all: &[Predicted], units: &DisplayUnits, seen: &mut Vec<Seen>) {
         let shown = &all[self.recording.min(all.len() - 1)];
         ui.horizontal_wrapped(|ui| {
             for (picture, name) in [
                 (Picture::Signals, "signals"),
                 (Picture::Residuals, "residuals"),
                 (Picture::Whiteness, "whiteness"),
+                (Picture::Dependence, "by input"),
             ] {
                 ui.selectable_value(&mut self.picture, picture, name);
             }
@@ -144,22 +145,55 @@ impl Pictures {
                 beside::legend(ui, "measured", beside::ink(ui), Style::Thin);
                 beside::legend(ui, "predicted", theme::good(ui), Style::Broad);
             }
+            if self.picture == Picture::Dependence {
+                self.inputs(ui, &shown.inputs);
+            }
         });
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             let count = shown.channels.len().max(1) as f32;
             let height = (ui.available_height() / count - 6.0).max(LEAST_HEIGHT);
-            for index in 0..shown.channels.len() {
-                if self.picture == Picture::Whiteness {
-                    whiteness_chart(ui, shown, index, height, seen);
-                } else {
-                    self.chart(ui, shown, index, height, seen);
+            for (index, (name, unit)) in shown.channels.iter().enumerate() {
+                let place = Place { height, is_lowest: index + 1 == shown.channels.len() };
+                let output = (index, name.as_str());
+                match self.picture {
+                    Picture::Whiteness => shown.tests.whiteness(ui, output, place, seen),
+                    Picture::Dependence => {
+                        let input = shown.inputs.get(self.input).map_or("", String::as_str);
+                        shown.tests.dependence(ui, output, (self.input, input), place, seen);
+                    }
+                    Picture::Signals | Picture::Residuals => {
+                        let in_unit = units.of(&Signal { name: name.clone(), unit: unit.clone() });
+                        self.chart(ui, (shown, index, &in_unit), height, seen);
+                    }
                 }
             }
         });
     }
 
-    fn chart(&mut self, ui: &mut Ui, shown: &Predicted, index: usize, height: f32, seen: &mut Vec<Seen>) {
-        let (name, unit) = &shown.channels[index];
+    /// The choice of the input with which residuals are correlated.
+    fn inputs(&mut self, ui: &mut Ui, inputs: &[String]) {
+        self.input = self.input.min(inputs.len().saturating_sub(1));
+        if inputs.len() < 2 {
+            return;
+        }
+        let choice = ComboBox::from_id_salt("input").width(160.0).selected_text(&inputs[self.input]);
+        let choice = choice.show_ui(ui, |ui| {
+            for (index, name) in inputs.iter().enumerate() {
+                ui.selectable_value(&mut self.input, index, name);
+            }
+        });
+        let said = || egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "correlated input");
+        choice.response.widget_info(said);
+    }
+
+    fn chart(
+        &mut self,
+        ui: &mut Ui,
+        (shown, index, in_unit): (&Predicted, usize, &ShownIn),
+        height: f32,
+        seen: &mut Vec<Seen>,
+    ) {
+        let (name, unit) = (&shown.channels[index].0, &in_unit.unit);
         let are_residuals = self.picture == Picture::Residuals;
         let what = if are_residuals { "measured minus predicted" } else { "measured and predicted" };
         let width = ui.available_width();
@@ -171,7 +205,11 @@ impl Pictures {
         let whole = shown.samples.span_s().map_or([0.0, 1.0], with_room);
         chart.x = self.span_s.unwrap_or(whole);
         let [from, to] = chart.x;
-        let line = |column| envelope(&shown.samples, 3 * index + column, from, to, width as usize).parts;
+        let line = |column| {
+            let mut line = envelope(&shown.samples, 3 * index + column, from, to, width as usize);
+            line.parts.iter_mut().flatten().for_each(|point| point[1] *= in_unit.per_si);
+            line.parts
+        };
         chart.curves = if are_residuals {
             let (name, colour) = ("residual".into(), theme::alarm(ui));
             vec![Curve { name, colour, parts: line(2), style: Style::Solid }]
@@ -188,37 +226,4 @@ impl Pictures {
             self.span_s = None;
         }
     }
-}
-
-/// The autocorrelation of a channel's residuals, with the bounds of chance.
-fn whiteness_chart(ui: &mut Ui, shown: &Predicted, index: usize, height: f32, seen: &mut Vec<Seen>) {
-    let (name, _) = &shown.channels[index];
-    let found = shown.whiteness[index].as_ref();
-    let said = found.map_or_else(String::new, |found| format!(": {}", found.sentence()));
-    let size = vec2(ui.available_width(), height);
-    let mut chart = Chart::new(("whiteness", index), format!("autocorrelation of {name}{said}"), size);
-    chart.when_empty = "too few residuals, or all are equal";
-    if index + 1 == shown.channels.len() {
-        chart.x_label = "lag, samples".into();
-    }
-    chart.x = [0.0, found.map_or(1.0, |found| found.values.len() as f64 + 1.0)];
-    if let Some(found) = found {
-        let (first, last, bound) = (chart.x[0], chart.x[1], found.bound);
-        chart.bands =
-            vec![(vec![[first, -bound, bound], [last, -bound, bound]], theme::good(ui).gamma_multiply(0.2))];
-        // A line from zero for each lag, so that each is seen.
-        let bar = |(lag, value): (usize, &f64)| vec![[lag as f64 + 1.0, 0.0], [lag as f64 + 1.0, *value]];
-        let parts = found.values.iter().enumerate().map(bar).collect();
-        chart.curves = vec![Curve {
-            name: "autocorrelation".into(),
-            colour: beside::ink(ui),
-            parts,
-            style: Style::Solid,
-        }];
-    }
-    let values = found
-        .into_iter()
-        .flat_map(|found| found.values.iter().copied().chain([found.bound, -found.bound, 0.0]));
-    chart.y = chart.fitted(range_of(values));
-    chart.show(ui, seen);
 }

@@ -66,6 +66,11 @@ pub(super) fn showing(look: Look, name: &str) -> Dashboard {
             form.update();
             shown.views.machine.describe(form);
         }
+        "machine-columns" => {
+            shown.use_model(Model::builtin("two-mass").unwrap());
+            shown.add_recording(run(0, 4000));
+            shown.views.machine.selected = Some("load_speed".into());
+        }
         "machine-sliding" => {
             shown.use_model(Model::builtin("emps").unwrap());
             shown.add_recording(sliding());

@@ -17,10 +17,13 @@ use socam_dashboard::{Dashboard, Layout, View};
 use socam_findings::Evidence;
 use socam_findings::document::Overlay;
 use socam_findings::evidence::{Binned, ChannelEvidence, RecordingTraces, Spectrum, Trace};
-use socam_recording::{Channel, Dataset, Unit};
+use socam_recording::{Channel, Dataset, Epoch, Unit};
 use socam_samples::Samples;
+use socam_spectrum::{Detrend, Window};
+use socam_workbench::arrangement::Arrangement;
 use socam_workbench::document::{Document, parse};
 use socam_workbench::recording::{About, Recording};
+use socam_workbench::spectrum_settings::{Scaling, SpectrumSettings};
 
 /// Numbers without pattern, the same on every machine.
 pub(crate) struct Noise(pub(crate) u64);
@@ -194,7 +197,11 @@ fn diagnosed(look: Look, over: Over) -> Dashboard {
 
 /// The states in which the views are looked at, by name: with data and without, with twelve recordings, with one sample, with long
 /// names, gaps, missing values and spikes, with something wrong.
-pub(crate) const STATES: [&str; 49] = [
+pub(crate) const STATES: [&str; 53] = [
+    "time-clock",
+    "spectrum-window",
+    "identify-range",
+    "machine-columns",
     "time-bench",
     "time-formula",
     "response-decibel",
@@ -253,6 +260,9 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "time-trouble" | "time-one-sample" | "time-nothing" | "time-empty" => dashboard(look, View::Time),
         "time-twelve" => with_runs(look, View::Time, 12),
         "time-tiles" | "time-derive" | "time-bench" | "time-formula" => with_runs(look, View::Time, 2),
+        "time-clock" => with_runs(look, View::Time, 2),
+        "spectrum-window" => with_spectra(look, ChartType::Spectrum, 2),
+        "identify-range" => with_runs(look, View::Identify, 2),
         "time-thirty" => with_runs(look, View::Time, 30),
         "time-wrong" => with_runs(look, View::Time, 1),
         "spectrum" => with_spectra(look, ChartType::Spectrum, 2),
@@ -281,7 +291,9 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "watch" => with_runs(look, View::Watch, 2),
         "fleet" | "fleet-machine" | "fleet-findings" | "fleet-unfit" => fleet::showing(look, name),
         "fleet-empty" => dashboard(look, View::Fleet),
-        "machine" | "machine-empty" | "machine-new" | "machine-sliding" => machine::showing(look, name),
+        "machine" | "machine-empty" | "machine-new" | "machine-sliding" | "machine-columns" => {
+            machine::showing(look, name)
+        }
         "help" => with_runs(look, View::Time, 1),
         _ => return None,
     };
@@ -298,6 +310,26 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
             state.views.time.ask_for_channel("torque_out");
             state.views.time.derive(tiles::power());
         }
+        "time-clock" => {
+            // 1 May 2026, 14:03:20 in UTC.
+            state.workspace.entries[0].recording.about.epoch = Some(Epoch::Date(1_777_644_200_000_000_000));
+            state.views.time.arrange(&Arrangement { clock_time: true, ..tiles::bench() });
+            state.views.time.x = Some([1.5, 6.5]);
+            state.workspace.has_bench = true;
+        }
+        "spectrum-window" => {
+            let spectra = SpectrumSettings {
+                window: Window::FlatTop,
+                length: Some(1024),
+                overlap_percent: 75,
+                detrend: Detrend::Line,
+                in_sight: true,
+                scaling: Scaling::Amplitude,
+            };
+            state.views.time.arrange(&Arrangement { spectra, ..Arrangement::default() });
+            state.workspace.in_sight = Some([2.0, 6.0]);
+        }
+        "identify-range" => state.workspace.setup.range_s = Some([2.25, 6.5]),
         "time-differences" => state.views.time.reference = Some(0),
         "time-trouble" | "spectrum-trouble" => state.add_recording(troubled::troubled(8000)),
         "time-one-sample" => state.add_recording(of("one.csv", vec![2.0], vec![vec![1.0], vec![f64::NAN]])),
