@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use egui::{Frame, Key, Margin, Ui};
 use socam_chart::chart::{self, Seen};
 use socam_chart::{raster, theme};
+use socam_core::State;
 use socam_model::Model;
 use socam_workbench::document::Document;
 use socam_workbench::entry::Entry;
@@ -333,9 +334,14 @@ impl Dashboard {
 
     fn keys(&mut self, ctx: &egui::Context) {
         // First of all, so that no other control consumes the key, and no dialog covers the button.
+        // A bench at rest has no command to be cut: there Esc puts away what is open above the views, and stops only where nothing is.
+        let is_at_rest = matches!(self.workspace.bench.state(), Some(State::Idle));
+        let only_puts_away =
+            is_at_rest && (self.help.is_open || self.is_choosing() || ctx.egui_wants_keyboard_input());
         let stop = |input: &egui::InputState| {
             let on_button = || input.pointer.interact_pos().is_some_and(|at| self.stop_button.contains(at));
-            input.key_pressed(Key::Escape) || (input.pointer.primary_pressed() && on_button())
+            (input.key_pressed(Key::Escape) && !only_puts_away)
+                || (input.pointer.primary_pressed() && on_button())
         };
         if self.workspace.bench.is_commanded() && ctx.input(stop) {
             self.workspace.bench.emergency_stop();

@@ -30,7 +30,10 @@ const FRAME: [(&str, Help); 2] = [
                 "Ctrl+O; drop",
                 "opens recordings (.mcap, .csv, .m, and tables of other programs), models and profiles (.toml), identifications and diagnoses (.json, or a report's folder), and the table of a fleet (.parquet)",
             ),
-            ("Export what is seen", ".png and .svg are pictures, .csv has the lines' points"),
+            (
+                "Export what is seen",
+                ".png and .svg are pictures; .csv has all samples in sight of the Time view, of channels that are drawn, and the points of the lines of other views",
+            ),
             (
                 "Open...; Try the virtual bench",
                 "of a window without recordings: asks for files; connects to a bench in this program",

@@ -141,10 +141,11 @@ fn title(diagnosis: &Diagnosis, tone: Tone) -> String {
     }
 }
 
-/// Items as a list; they are set apart by semicolons where they hold commas.
+/// Items as a list; they are numbered where they hold commas.
 fn joined(items: &[String]) -> String {
     if items.len() > 1 && items.iter().any(|item| item.contains(',')) {
-        items.join("; ")
+        let numbered = items.iter().enumerate().map(|(index, item)| format!("({}) {item}", index + 1));
+        numbered.collect::<Vec<_>>().join("; ")
     } else {
         words::list(items, "and")
     }

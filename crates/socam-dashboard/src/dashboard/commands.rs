@@ -5,7 +5,6 @@ use socam_chart::theme::{self, Look};
 use socam_workbench::View;
 use socam_workbench::about::short;
 use socam_workbench::input_signal::Settings;
-use socam_workbench::new_model::NewModel;
 use socam_workbench::purpose::Purpose;
 
 use super::Dashboard;
@@ -41,7 +40,7 @@ impl Dashboard {
                 self.layout.view = View::Live;
             }
             Command::NewModel => {
-                self.views.machine.describe(NewModel::default());
+                self.views.machine.describe_again();
                 self.layout.view = View::Machine;
             }
             Command::Open => self.ask(ctx, Purpose::Open, ""),

@@ -138,6 +138,9 @@ fn content(dashboard: &Dashboard, ctx: &egui::Context, path: &Path) -> Result<Ve
         .unwrap_or_default()
     };
     match extension.as_str() {
+        "csv" if dashboard.layout.view == View::Time => {
+            dashboard.views.time.samples_csv(&dashboard.workspace.entries).map(String::into_bytes)
+        }
         "csv" => Ok(export::csv(&dashboard.seen).into_bytes()),
         "svg" => svg::svg(&dashboard.seen, ctx.global_style().visuals.dark_mode).map(String::into_bytes),
         "png" => raster::png(&raster::of_shapes(ctx, shapes(), part, ground)),

@@ -148,6 +148,11 @@ impl Dashboard {
         }
     }
 
+    /// Whether a dialog of the window's own is open.
+    pub(crate) fn is_choosing(&self) -> bool {
+        self.own.dialog.is_some() || self.own.columns.is_some()
+    }
+
     /// Whether a dialog of the desktop is open.
     pub(crate) fn is_asking(&self) -> bool {
         self.own.native.is_some()

@@ -11,12 +11,12 @@ use socam_chart::numbers::number;
 use socam_chart::table::heads;
 use socam_chart::theme;
 
-/// Draws the list. Returns the profile of the suggested experiment if its button, named `take`, was pressed.
+/// Draws the list. Returns the profile of the suggested experiment if its button, named `take`, was pressed. Without one, no board has the input of the model.
 pub(super) fn list(
     ui: &mut Ui,
     diagnosis: &Diagnosis,
     selected: &mut Option<String>,
-    take: &str,
+    take: Option<&str>,
 ) -> Option<ProfileFile> {
     let mut wanted = None;
     for (index, finding) in diagnosis.findings.iter().enumerate() {
@@ -34,6 +34,10 @@ pub(super) fn list(
                 );
             }
             let profile = ProfileFile::parse(&next.profile).or_else(|_| ProfileFile::open(&next.profile));
+            let Some(take) = take else {
+                let text = "The profile is one of a board's voltage or speed. The input of this machine is another one: make it move as the profile does.";
+                return drop(ui.label(RichText::new(text).small().color(theme::weak(ui))));
+            };
             match profile {
                 Ok(profile) => {
                     if ui.button(take).clicked() {

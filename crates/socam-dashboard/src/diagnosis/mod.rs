@@ -12,7 +12,7 @@ use egui::{ScrollArea, Ui};
 use socam_chart::chart::{self, Seen};
 use socam_findings::headline::{self, headline};
 use socam_findings::{Diagnosis, Evidence};
-use socam_model::Model;
+use socam_model::{Channel, Model, Quantity};
 use socam_workbench::rail::{Step, Tone, Verdict};
 use socam_workbench::{Request, Workspace};
 
@@ -81,6 +81,12 @@ impl ViewPanel for DiagnosisPage {
     }
 }
 
+/// Whether a board's command, a voltage or a speed, is an input of a model.
+fn commands(model: &Model) -> bool {
+    let is_commanded = |channel: &Channel| matches!(channel.quantity, Quantity::Speed | Quantity::Voltage);
+    model.inputs().any(is_commanded)
+}
+
 impl DiagnosisPage {
     /// Draws the panels of the diagnosis, with `above` over the list of findings. `empty` are the title and the text where there is no diagnosis.
     pub(crate) fn panels(
@@ -100,6 +106,7 @@ impl DiagnosisPage {
                 if let Some(shown) = &self.shown {
                     let take =
                         if workspace.has_bench { "Make it the input signal" } else { "Save it as a file" };
+                    let take = commands(&shown.model).then_some(take);
                     wanted = findings::list(ui, &shown.diagnosis, &mut self.selected, take);
                 }
             });

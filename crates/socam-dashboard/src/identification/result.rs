@@ -44,10 +44,10 @@ pub(super) fn ui(ui: &mut Ui, shown: &Identification) -> bool {
         }
     }
     ui.add_space(8.0);
-    fit(ui, "Fit, the model running free", &shown.fit);
+    fit(ui, "Fit, the model running free", &shown.fit, &shown.fit);
     for held_out in &shown.validation {
         ui.add_space(8.0);
-        fit(ui, &format!("Held out, not fitted: {}", held_out.recording), &held_out.fit);
+        fit(ui, &format!("Held out, not fitted: {}", held_out.recording), &held_out.fit, &shown.fit);
     }
     wants_diagnosis
 }
@@ -136,8 +136,11 @@ fn whisker(ui: &mut Ui, value: f64, ci95: [Option<f64>; 2]) {
     painter.vline(rect.center().x, rect.y_range(), Stroke::new(1.5, ui.visuals().strong_text_color()));
 }
 
-fn fit(ui: &mut Ui, title: &str, fit: &Fit) {
+/// A table of what remains of each channel beside its noise, which is that of the recordings that were `fitted`: of others, all that the model
+/// misses would count as noise.
+fn fit(ui: &mut Ui, title: &str, fit: &Fit, fitted: &Fit) {
     ui.strong(title);
+    let noise = |name: &str| fitted.channels.get(name).map_or(f64::NAN, |channel| channel.noise());
     let rows: Vec<_> = fit.channels.iter().collect();
     Table::new(title, &FIT).show(
         ui,
@@ -145,14 +148,14 @@ fn fit(ui: &mut Ui, title: &str, fit: &Fit) {
         |(name, channel), column| match column {
             0 => Key::from(name.as_str()),
             1 => Some(channel.rms).into(),
-            2 => Some(channel.noise()).into(),
+            2 => Some(noise(name)).into(),
             _ => Some(channel.vaf_percent).into(),
         },
         |ui, (name, channel), column| {
             let text = match column {
                 0 => return drop(ui.label(name.as_str())),
                 1 => number(channel.rms),
-                2 => number(channel.noise()),
+                2 => number(noise(name)),
                 _ => format!("{:.3} %", channel.vaf_percent),
             };
             ui.label(RichText::new(text).monospace());

@@ -38,6 +38,8 @@ pub struct MachineView {
     /// What is played, and how.
     pub player: Player,
     form: Option<NewModel>,
+    /// The form that was left, whose words are kept.
+    left: Option<NewModel>,
     /// Whether the form has just been opened.
     takes_focus: bool,
     editor: details::Editor,
@@ -112,6 +114,12 @@ impl MachineView {
         self.film.begin();
     }
 
+    /// Opens the form of a new model with the words that it was left with.
+    pub(crate) fn describe_again(&mut self) {
+        let form = self.left.take().or_else(|| self.form.take()).unwrap_or_default();
+        self.describe(form);
+    }
+
     /// Opens the form of a new model.
     pub fn describe(&mut self, form: NewModel) {
         self.form = Some(form);
@@ -128,7 +136,7 @@ impl MachineView {
         ui.add_space(4.0);
         if let Some(form) = &mut self.form {
             if describe::ui(ui, form, workspace, std::mem::take(&mut self.takes_focus)) {
-                self.form = None;
+                self.left = self.form.take();
             }
             return;
         }
@@ -177,7 +185,7 @@ impl MachineView {
                 workspace.request(Request::Ask);
             }
             if ui.button("New model...").on_hover_text("Describe the machine in a line of words").clicked() {
-                self.describe(NewModel::default());
+                self.describe_again();
             }
             if ui.button("Save model file...").clicked() {
                 let content = Content::Bytes(workspace.model().text.clone().into_bytes());

@@ -23,7 +23,12 @@ pub(in crate::review) struct Form {
 impl Form {
     /// A form for a channel.
     pub(in crate::review) fn of(name: &str, operation: Operation) -> Self {
-        Self { operation, of: name.to_owned(), written: formula::Written::of(name), ..Self::default() }
+        Self {
+            operation,
+            of: name.to_owned(),
+            written: formula::Written::of(if operation == Operation::Formula { name } else { "" }),
+            ..Self::default()
+        }
     }
 
     /// Draws it. Returns the channel to be added, and whether the window stays open.

@@ -15,6 +15,7 @@ mod over_time;
 mod panes;
 mod plots;
 mod rows;
+mod samples_csv;
 mod spectrogram;
 mod start;
 mod statistics;
@@ -247,6 +248,9 @@ impl Review {
             let entry = entries.remove(closed);
             self.views.keep_closed(closed, entry);
             self.reference = None;
+            if entries.is_empty() {
+                self.fit();
+            }
         }
         let signals = signals(entries);
         self.plots.fit(&signals);

@@ -82,6 +82,10 @@ impl Dashboard {
     /// A page has no dialogs of its own.
     pub(crate) fn dialogs(&mut self, _: &Context) {}
 
+    pub(crate) fn is_choosing(&self) -> bool {
+        false
+    }
+
     pub(crate) fn is_asking(&self) -> bool {
         false
     }

@@ -68,7 +68,7 @@ fn what_is_seen_is_exported() {
     assert!(svg.contains(">motor_speed (rad/s)</text>") && svg.ends_with("</svg>\n"));
     let csv = String::from_utf8(read("view.csv")).unwrap();
     assert!(
-        csv.lines().count() > 5000 && csv.contains("\"motor_speed, rad/s\",multisine-0.mcap,,"),
+        csv.lines().count() == 4001 && csv.starts_with("time_s,command_V,motor_speed_rad_s,"),
         "{}",
         &csv[..300]
     );

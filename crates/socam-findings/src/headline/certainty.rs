@@ -38,7 +38,7 @@ pub(super) fn sentences(diagnosis: &Diagnosis, claims: &[Claim]) -> Vec<String> 
     let named = diagnosis.findings.iter().any(|finding| finding.effect != UNEXPLAINED);
     let is_weighed = !diagnosis.answer.is_empty();
     if is_weighed {
-        all.push("Probabilities are frequencies on the benches of the challenge; on other machines they may differ.".into());
+        all.push("Probabilities are how often such statements were true on simulated benches with a hidden effect; on other machines they may differ.".into());
     } else if named && diagnosis.findings.iter().all(|finding| finding.rivals.is_empty()) {
         all.push("No other explanation that was fitted comes close.".into());
     }

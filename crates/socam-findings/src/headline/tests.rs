@@ -73,7 +73,7 @@ Missing: Physics is missing: friction, drag or a loss at motor_bearing, fitted a
 1. friction, drag or a loss at motor_bearing, fitted as Coulomb friction: torque 0.3010 N m (95 % interval 0.2951 to 0.3069)
 Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
 With a probability of 90 % it is friction, drag or a loss at motor_bearing, with 73 % Coulomb friction there.
-Probabilities are frequencies on the benches of the challenge; on other machines they may differ.";
+Probabilities are how often such statements were true on simulated benches with a hidden effect; on other machines they may differ.";
 
 const NOTHING: &str = "\
 Adequate: Nothing is missing that these recordings could show

@@ -18,7 +18,7 @@ pub fn called(name: &str) -> String {
 /// When the text is no formula, or names no channel; one sentence.
 pub(crate) fn names(text: &str) -> Result<Vec<String>, String> {
     let names: Vec<String> = parsed(text)?.all_names().into_iter().filter(|name| name != "pi").collect();
-    if names.is_empty() { Err("the formula names no channel; click one below".into()) } else { Ok(names) }
+    if names.is_empty() { Err("the formula names no channel; click one above".into()) } else { Ok(names) }
 }
 
 /// The unit of a formula over channels.
@@ -41,7 +41,7 @@ fn bound(text: &str, sources: &[Signal]) -> Result<(Tape, String), String> {
     let mut inputs = Vec::new();
     for name in names(text)? {
         let Some(signal) = sources.iter().find(|signal| called(&signal.name) == name) else {
-            return Err(format!("no channel that is shown is called {name}; the channels are listed below"));
+            return Err(format!("no channel that is shown is called {name}; the channels are listed above"));
         };
         inputs.push((name, signal.unit.as_str()));
     }

@@ -14,6 +14,11 @@ pub(super) struct Sensor {
     travel: Arc<Track>,
 }
 
+/// The names of the sensors of speeds and angles that a model reads.
+pub(super) fn names(model: &Model) -> impl Iterator<Item = &str> {
+    model.channels.iter().filter(|channel| tells_travel(channel)).map(|channel| channel.name.as_str())
+}
+
 /// The sensors of speeds and angles that a recording has. Of two at one node, that of the angle comes first.
 pub(super) fn sensors(model: &Model, recording: &Recording) -> Vec<Sensor> {
     let rows = 0..recording.samples.rows();

@@ -117,9 +117,13 @@ impl Motion {
         };
         let sensors = follow::sensors(model, recording);
         if sensors.is_empty() {
+            let wanted: Vec<&str> = follow::names(model).collect();
+            let has: Vec<&str> = recording.about.channels.iter().map(|own| own.name.as_str()).collect();
             return Err(format!(
-                "{name} has no channel that the model {} reads as the speed or angle of a part: choose the model of this machine",
-                model.name
+                "{name} has none of the speeds and angles that the model {} reads ({}); it has {}: choose another model, or wire a column to a sensor",
+                model.name,
+                wanted.join(", "),
+                has.join(", ")
             ));
         }
         let measured = follow::nodes(model, &sensors);

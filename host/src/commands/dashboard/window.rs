@@ -1,6 +1,7 @@
 //! The dashboard in a window of the desktop, and its stored layout.
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
 use socam_dashboard::{Dashboard, Layout, wake};
@@ -12,6 +13,25 @@ struct Window {
     dashboard: Dashboard,
     rehearsal: Option<Rehearsal>,
     title: String,
+    /// When the layout was written last.
+    remembered: Instant,
+}
+
+/// Interval at which the layout is written, so that a window that is killed is remembered too.
+const REMEMBER_EVERY: Duration = Duration::from_secs(20);
+
+impl Window {
+    fn remember_now_and_then(&mut self) {
+        if self.remembered.elapsed() > REMEMBER_EVERY {
+            self.remembered = Instant::now();
+            self.remember();
+        }
+    }
+
+    /// Writes the layout. If that fails, the next start uses the last one or the default.
+    fn remember(&self) {
+        let _ = path().map(|path| remember(&path, &self.dashboard.layout));
+    }
 }
 
 impl eframe::App for Window {
@@ -39,11 +59,11 @@ impl eframe::App for Window {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
             self.title = title;
         }
+        self.remember_now_and_then();
     }
 
     fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {
-        // If the layout cannot be written, the next start uses the default.
-        let _ = path().map(|path| remember(&path, &self.dashboard.layout));
+        self.remember();
     }
 }
 
@@ -65,7 +85,8 @@ pub(super) fn show(
         if connects {
             dashboard.workspace.connect(wake(&context.egui_ctx));
         }
-        Ok(Box::new(Window { dashboard, rehearsal, title: String::new() }) as Box<dyn eframe::App>)
+        Ok(Box::new(Window { dashboard, rehearsal, title: String::new(), remembered: Instant::now() })
+            as Box<dyn eframe::App>)
     };
     eframe::run_native("socam", options, Box::new(start)).map_err(|error| no_window(&error.to_string()))
 }

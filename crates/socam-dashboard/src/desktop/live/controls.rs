@@ -186,9 +186,12 @@ fn recording(ui: &mut Ui, bench: &Connection, next: &mut NextRun) -> Option<Acti
     ui.horizontal(|ui| {
         let label = ui.label("Note");
         let field = ui.add(TextEdit::singleline(&mut next.note).desired_width(ui.available_width() - 76.0));
+        let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         field.labelled_by(label.id);
-        let note = ui.add_enabled(bench.is_recording() && !next.note.trim().is_empty(), Button::new("Add"));
-        if note.on_hover_text("Into the recording, at this moment").clicked() {
+        let can_add = bench.is_recording() && !next.note.trim().is_empty();
+        let note = ui.add_enabled(can_add, Button::new("Add"));
+        if note.on_hover_text("Into the recording, at this moment (Enter)").clicked() || is_entered && can_add
+        {
             action = Some(Action::AddNote);
         }
     });

@@ -1,6 +1,10 @@
 //! The rows of recordings.
 
-use egui::{Align, Button, Checkbox, DragValue, Layout, Rect, RichText, Role, TextStyle, Ui, WidgetInfo};
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{
+    Align, Button, Checkbox, DragValue, Layout, PopupCloseBehavior, Rect, RichText, Role, TextStyle, Ui,
+    WidgetInfo,
+};
 
 use super::{Review, elided, neat, short_name};
 use socam_chart::swatch::swatch;
@@ -143,7 +147,9 @@ fn more(ui: &mut Ui, entry: &mut Entry, name: &str, other: Option<&str>) -> Opti
             ui.set_opacity(0.0);
         }
         ui.spacing_mut().button_padding = egui::vec2(4.0, 0.0);
-        ui.menu_button("...", |ui| {
+        // A click into the field of the shift leaves the menu open.
+        let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+        MenuButton::new("...").config(stays).ui(ui, |ui| {
             if ui.button("Only this one").on_hover_text("Alt+click on the name; again shows all").clicked() {
                 done = Some(Done::Solo);
             }
@@ -162,18 +168,29 @@ fn more(ui: &mut Ui, entry: &mut Entry, name: &str, other: Option<&str>) -> Opti
                     }
                 }
             });
-            if entry.recording.about.has_plain_numbers() && ui.button("Set units...").clicked() {
+            let tip = "Names, units and the clock of the file's columns";
+            if is_table(entry) && ui.button("Set units...").on_hover_text(tip).clicked() {
                 done = Some(Done::Columns);
             }
             if ui.button("Close recording").clicked() {
                 done = Some(Done::Close);
             }
+            if done.is_some() {
+                ui.close();
+            }
         })
     });
-    ui.data_mut(|data| data.insert_temp(place, button.inner.inner.is_some()));
+    let (button, menu) = button.inner;
+    ui.data_mut(|data| data.insert_temp(place, menu.is_some()));
     let said = format!("More about {name}");
-    button.inner.response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &said));
+    button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &said));
     done
+}
+
+/// Whether its file is a table whose columns can be named; logs name theirs.
+fn is_table(entry: &Entry) -> bool {
+    let extension = entry.recording.path().and_then(|path| path.extension());
+    extension.is_some_and(|extension| !extension.eq_ignore_ascii_case("mcap"))
 }
 
 /// Facts, warnings and notes below a row.
