@@ -37,6 +37,8 @@ pub struct Chart {
     pub title: String,
     /// Quantity and unit of the horizontal axis; if empty, its numbers are not shown.
     pub x_label: String,
+    /// Unit of the horizontal axis where another chart shows its label.
+    pub x_unit: &'static str,
     /// Size in points.
     pub size: egui::Vec2,
     /// Range of the horizontal axis.
@@ -156,6 +158,7 @@ impl Chart {
             id: egui::Id::unique(id),
             title: title.into(),
             x_label: String::new(),
+            x_unit: "",
             size,
             x: [0.0, 1.0],
             y: [0.0, 1.0],

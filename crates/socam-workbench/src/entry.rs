@@ -5,7 +5,7 @@ use std::sync::Arc;
 use socam_samples::Samples;
 
 use crate::derivation::{Derivation, Derived};
-use crate::recording::Recording;
+use crate::recording::{Recording, short};
 use crate::session::Note;
 use crate::signal::Signal;
 
@@ -80,6 +80,14 @@ impl Entry {
         };
         derivation.sources(&all)?.into_iter().map(found).collect()
     }
+}
+
+/// The name of a recording, as short as tells it from the others.
+#[must_use]
+pub fn name_among<'e>(entries: &[Entry], entry: &'e Entry) -> &'e str {
+    let name = &entry.recording.about.name;
+    let is_alone = entries.iter().filter(|own| short(&own.recording.about.name) == short(name)).count() < 2;
+    if is_alone { short(name) } else { name }
 }
 
 /// The distinct channels of all shown recordings in order of first appearance, the derived ones last.

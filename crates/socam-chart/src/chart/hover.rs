@@ -147,8 +147,7 @@ fn position_text(x: f64, chart: &Chart, log: bool, per_point: f64) -> String {
     }
     let digits = (-per_point.log10().floor()).clamp(0.0, 12.0) as usize;
     let number = if log { value_text(x) } else { format!("{x:.digits$}") };
-    // Another chart of its stack shows the axis of time.
-    let unit = if chart.x_label.is_empty() && chart.stack.is_some() { "s" } else { unit(&chart.x_label) };
+    let unit = if chart.x_label.is_empty() { chart.x_unit } else { unit(&chart.x_label) };
     format!("{number} {unit}").trim_end().to_owned()
 }
 

@@ -6,8 +6,7 @@ use socam_chart::chart::{Chart, Curve, Flag, MarkerShape, Style};
 use socam_chart::theme;
 use socam_samples::envelope;
 use socam_workbench::display_units::{DisplayUnits, ShownIn};
-use socam_workbench::entry::Entry;
-use socam_workbench::recording::short;
+use socam_workbench::entry::{Entry, name_among};
 use socam_workbench::signal::Signal;
 
 /// Opacity of the other recordings while one is highlighted.
@@ -69,13 +68,6 @@ pub(super) fn colour(ui: &Ui, entry: &Entry, lit: Option<usize>, curves: usize) 
         Some(_) => colour,
         None => colour.gamma_multiply((8.0 / curves.max(1) as f32).sqrt().clamp(0.35, 1.0)),
     }
-}
-
-/// The name of a recording, as short as tells it from the others.
-pub(super) fn name_among<'e>(entries: &[Entry], entry: &'e Entry) -> &'e str {
-    let name = &entry.recording.about.name;
-    let is_alone = entries.iter().filter(|own| short(&own.recording.about.name) == short(name)).count() < 2;
-    if is_alone { short(name) } else { name }
 }
 
 pub(super) fn curves(ui: &Ui, entries: &[Entry], signals: &[Signal], frame: Frame<'_>) -> Vec<Curve> {

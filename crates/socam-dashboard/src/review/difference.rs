@@ -7,7 +7,7 @@ use socam_chart::chart::Curve;
 use socam_chart::theme;
 use socam_chart::thin::thinned;
 use socam_samples::Samples;
-use socam_workbench::entry::Entry;
+use socam_workbench::entry::{Entry, name_among};
 use socam_workbench::signal::Signal;
 
 /// Greatest number of rows in the picture for which differences are computed.
@@ -42,7 +42,7 @@ pub(super) fn curves(
             let points: Vec<[f64; 2]> =
                 times.iter().zip(differences).map(|(time, value)| [time + entry.shift_s, value]).collect();
             let parts = thinned(&points, frame.pixels);
-            let name = content::name_among(entries, entry).to_owned();
+            let name = name_among(entries, entry).to_owned();
             let colour = content::colour(ui, entry, frame.lit, entries.len());
             curves.push(Curve { name, colour, parts, style: theme::style(entry.number) });
         }

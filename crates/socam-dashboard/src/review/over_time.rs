@@ -79,6 +79,7 @@ impl Review {
         chart.when_empty = "no value here";
         (chart.stack, chart.leaves_room) = (Some(super::stack()), drawing.leaves_room(rect));
         chart.x = x;
+        chart.x_unit = "s";
         chart.scales[0] = drawing.time_axis.scale;
         if has_axis {
             chart.x_label.clone_from(&drawing.time_axis.label);

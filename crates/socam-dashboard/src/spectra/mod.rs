@@ -8,6 +8,7 @@ mod model_response;
 mod plots;
 mod poles;
 mod response;
+mod source;
 pub mod spectrogram;
 
 use std::sync::Arc;
@@ -28,6 +29,7 @@ use socam_workbench::Workspace;
 use socam_workbench::entry::Entry;
 use socam_workbench::recording::{Recording, short};
 use socam_workbench::spectrum_settings::{Scaling, SpectrumSettings};
+use source::Source;
 
 /// A kind of chart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -164,11 +166,12 @@ impl Spectra {
             let recordings: Vec<_> = shown.iter().map(|(number, own, _)| (*number, *own)).collect();
             self.options.ui(ui, model, [input, output], &recordings);
         }
-        self.compute(ui, &shown, numbered);
+        let sources = source::sources(entries, *settings, in_sight);
+        self.compute(ui, &shown, &sources, numbered);
         legend(ui, &shown);
         match self.kind {
             ChartType::Response => self.response(ui, &shown, numbered, seen),
-            _ => self.spectrum(ui, &shown, settings, seen),
+            _ => self.spectrum(ui, &sources, settings, seen),
         }
     }
 
@@ -179,12 +182,18 @@ impl Spectra {
     }
 
     /// Starts the work on what the chart lacks, of one recording after another.
-    fn compute(&mut self, ui: &mut Ui, shown: &[Shown<'_>], (model, revision): Numbered<'_>) {
+    fn compute(
+        &mut self,
+        ui: &mut Ui,
+        shown: &[Shown<'_>],
+        sources: &[Source<'_>],
+        (model, revision): Numbered<'_>,
+    ) {
         let is_shown = |samples: &Arc<Samples>| {
             shown.iter().any(|(_, recording, _)| Arc::ptr_eq(&recording.samples, samples))
         };
         let is_wanted = |samples: &Arc<Samples>, part: &densities::Part| {
-            shown.iter().any(|(_, own, wanted)| Arc::ptr_eq(&own.samples, samples) && wanted == part)
+            sources.iter().any(|own| Arc::ptr_eq(own.samples, samples) && own.part == *part)
         };
         self.densities.retain(is_wanted);
         self.responses.retain(|samples, between| between.revision == revision && is_shown(samples));
@@ -205,10 +214,10 @@ impl Spectra {
             }
             self.responses.progress(ui);
         } else {
-            let lacks = |(_, own, part): &&Shown<'_>| self.densities.get(&own.samples, part).is_none();
-            if let Some((_, recording, part)) = shown.iter().find(lacks) {
-                let (samples, part) = (recording.samples.clone(), *part);
-                let title = format!("Spectra of {}", name(recording));
+            let lacks = |own: &&Source<'_>| self.densities.get(own.samples, &own.part).is_none();
+            if let Some(source) = sources.iter().find(lacks) {
+                let (samples, part) = (source.samples.clone(), source.part);
+                let title = format!("Spectra of {}", source.name);
                 let work = samples.clone();
                 self.densities
                     .start(ui, &title, (samples, part), move |handle| densities(&work, part, handle));

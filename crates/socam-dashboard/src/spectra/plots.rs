@@ -6,29 +6,31 @@ use egui::{RichText, Ui, vec2};
 use socam_chart::chart::{self, Chart, Curve, Scale, Seen, Style, range_of};
 use socam_chart::theme;
 use socam_workbench::recording::short;
+use socam_workbench::signal::Signal;
 use socam_workbench::spectrum_settings::{Scaling, SpectrumSettings};
 
 use super::densities;
 use super::model_response::model_response;
 use super::response::{Curves, curves};
+use super::source::Source;
 use super::{Numbered, Shown, Spectra};
 
 impl Spectra {
     pub(super) fn spectrum(
         &self,
         ui: &mut Ui,
-        shown: &[Shown<'_>],
+        sources: &[Source<'_>],
         settings: &SpectrumSettings,
         seen: &mut Vec<Seen>,
     ) {
-        let mut channels: Vec<&socam_recording::Channel> = Vec::new();
-        for channel in shown.iter().flat_map(|(_, recording, _)| &recording.about.channels) {
+        let mut channels: Vec<&Signal> = Vec::new();
+        for channel in sources.iter().flat_map(|source| &source.signals) {
             if !channels.contains(&channel) {
                 channels.push(channel);
             }
         }
         let found: Vec<_> =
-            shown.iter().map(|(_, recording, part)| self.densities.get(&recording.samples, part)).collect();
+            sources.iter().map(|source| self.densities.get(source.samples, &source.part)).collect();
         let known = || found.iter().filter_map(|result| result.as_ref()?.as_ref().ok());
         let ends = known().flatten().flatten();
         let ends = ends.flat_map(|own| [own.frequency_hz(1), own.frequency_hz(own.lines() - 1)]);
@@ -46,15 +48,15 @@ impl Spectra {
         egui::ScrollArea::vertical().auto_shrink(false).max_height(part).show(ui, |ui| {
             for (place, channel) in channels.iter().enumerate() {
                 let is_last = place + 1 == channels.len();
-                let title = format!("{}, {}", channel.name, settings.scaling.unit(&channel.unit.to_string()));
+                let title = format!("{}, {}", channel.name, settings.scaling.unit(&channel.unit));
                 let size = vec2(ui.available_width(), if is_last { height + AXIS } else { height });
-                let mut chart = Chart::new(("spectrum", channel.column_name()), title, size);
-                for ((number, recording, _), found) in shown.iter().zip(&found) {
-                    let own = recording.about.channels.iter().position(|other| other == *channel);
+                let mut chart = Chart::new(("spectrum", &channel.name, &channel.unit), title, size);
+                for (source, found) in sources.iter().zip(&found) {
+                    let own = source.signals.iter().position(|other| other == *channel);
                     let Some((index, Ok(all))) = own.zip(*found) else { continue };
                     if let Some(spectra) = &all[index] {
                         let line = densities::line(spectra, settings.scaling);
-                        chart.curves.push(curve(ui, *number, &recording.about.name, vec![line]));
+                        chart.curves.push(curve(ui, source.number, source.name, vec![line]));
                     }
                 }
                 finish(&mut chart, x, is_last);
@@ -104,7 +106,7 @@ impl Spectra {
             let Some(Ok(measured)) = found else { continue };
             let Curves { magnitude, phase, coherence } = curves(&measured.response);
             for (chart, line) in charts.iter_mut().zip([magnitude, phase, vec![coherence]]) {
-                chart.curves.push(curve(ui, *number, &recording.about.name, line));
+                chart.curves.push(curve(ui, *number, short(&recording.about.name), line));
             }
         }
         for (chart, line) in charts.iter_mut().zip(model_response(model, output, Some(input), x)) {
@@ -213,6 +215,7 @@ fn heights(ui: &Ui, count: usize) -> f32 {
 
 fn finish(chart: &mut Chart, x: [f64; 2], is_last: bool) {
     chart.x = x;
+    chart.x_unit = "Hz";
     chart.x_label = if is_last { "frequency, Hz".into() } else { String::new() };
 }
 
