@@ -107,12 +107,12 @@ mod tests {
     #[test]
     fn steps_stay_those_of_the_device() {
         let mut clock = DeviceClock::default();
-        let mut last = None;
+        let mut last: Option<i64> = None;
         for k in 0..10_000_i64 {
             clock.learn(1_000_000 * k, 1_000_000 * k + if k == 5000 { -3_000_000 } else { 0 });
             let now = clock.host_ns(1_000_000 * k);
             if let Some(last) = last {
-                assert!((now - last - 1_000_000_i64).abs() <= 1001, "{k}");
+                assert!((now - last - 1_000_000).abs() <= 1001, "{k}");
             }
             last = Some(now);
         }
