@@ -56,8 +56,8 @@ mod mcp;
 #[cfg(feature = "full")]
 mod readers;
 mod record;
-#[cfg(unix)]
 mod several;
+#[cfg(unix)]
 mod sources;
 mod watch;
 

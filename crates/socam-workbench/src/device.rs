@@ -89,7 +89,7 @@ impl Source {
     /// What is done with it, and that it is not commanded.
     #[must_use]
     pub fn words(&self) -> &'static str {
-        if self.is_asked { "asked only: no command leaves" } else { "listened to only: no command leaves" }
+        if self.is_asked { "asked only: no command leaves" } else { "heard only: no command leaves" }
     }
 }
 

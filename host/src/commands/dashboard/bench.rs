@@ -1,7 +1,6 @@
 //! The board of the live view: a thread that talks to it, records, and sends news and samples to the window.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::mpsc::TryRecvError;
 use std::time::{Duration, Instant};
 
@@ -10,13 +9,13 @@ use socam_core::{Refusal, Request};
 use socam_job::VirtualBench;
 use socam_recording::{Attachment, Calibration};
 use socam_workbench::about::Happening;
-use socam_workbench::device::{Needs, Peer, Stated, Wanted};
+use socam_workbench::device::Peer;
 use socam_workbench::link::{self, Bench, Connector, News, Order};
 
 use super::show::{IDLE_PERIOD_US, Show};
-use super::source;
 use super::watcher::{Watcher, ended, health};
-use crate::commands::record::source::{self as record_source, SourceArgs, Target};
+use super::{source, wanted};
+use crate::commands::record::source::Target;
 use crate::commands::record::{attachment, now_unix_ns};
 use crate::device::run::{self, End, Plan};
 use crate::device::session::Heard;
@@ -57,11 +56,11 @@ fn attend(
     token: Option<Token>,
 ) -> anyhow::Result<()> {
     let Ok(Order::Connect(wanted)) = own.orders.recv() else { return Ok(()) };
-    let device = match target(&wanted)? {
+    let device = match wanted::target(&wanted)? {
         (Target::Board(device), _) => device.with_token(token),
         (Target::Source(address), args) => {
             let model = socam_job::model_text(&bench.model)?;
-            return source::attend(own, &address, &args, period_ns(wanted.rate_hz), model);
+            return source::attend(own, &address, &args, wanted::period_ns(wanted.rate_hz), model);
         }
     };
     let setup =
@@ -89,27 +88,6 @@ fn attend(
     };
     talk.look()?;
     talk.go_on()
-}
-
-/// The device that is wanted, with what is said of it.
-fn target(wanted: &Wanted) -> anyhow::Result<(Target, SourceArgs)> {
-    let address = &wanted.address;
-    let target: Target =
-        address.parse().map_err(|expected| anyhow::anyhow!("`{address}` is no device: {expected}"))?;
-    let needs = Needs::of(address);
-    let path = |text: &str, is_needed| Some(PathBuf::from(text)).filter(|_| is_needed && !text.is_empty());
-    let Stated { description, takes_guesses, dbc } = &wanted.stated;
-    let args = SourceArgs {
-        describe: path(description.trim(), needs == Needs::Description),
-        accept_guesses: *takes_guesses && needs == Needs::Description,
-        dbc: path(dbc.trim(), needs == Needs::Dbc),
-    };
-    Ok((record_source::of(&target, &args)?, args))
-}
-
-/// The interval at which a device is asked, ns.
-fn period_ns(rate_hz: f64) -> i64 {
-    if rate_hz > 0.0 { (1e9 / rate_hz) as i64 } else { 1_000_000 }
 }
 
 /// An open link.

@@ -6,6 +6,7 @@ mod remedy;
 mod show;
 mod simulated;
 mod source;
+mod wanted;
 mod watcher;
 mod window;
 

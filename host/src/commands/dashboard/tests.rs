@@ -2,6 +2,7 @@
 
 mod failures;
 mod samples;
+#[cfg(unix)]
 mod sources;
 
 use std::path::Path;

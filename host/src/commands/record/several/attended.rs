@@ -43,6 +43,8 @@ pub(super) struct Attended {
     pub(super) lost: u64,
     pub(super) counts: Counts,
     pub(super) interruptions: u64,
+    /// Packets of other senders, which were left out.
+    pub(super) strangers: u64,
     pub(super) counted_by: String,
     /// Largest spread of times of arrival that rows took their times from, s.
     pub(super) arrival_spread_s: f64,
@@ -113,6 +115,7 @@ pub(super) fn attend(
         lost,
         counts: listener.timeline.counts(),
         interruptions: listener.interruptions,
+        strangers: listener.strangers(),
         counted_by: listener.timeline.counted_by(),
         arrival_spread_s: listener.timeline.arrival_spread_s(),
     })

@@ -38,6 +38,7 @@ struct Device<'a> {
     damaged: u64,
     clock_jumps: u64,
     interruptions: u64,
+    strangers: u64,
     lost_counted: &'a str,
     /// Whether its times are those of its own clock.
     has_clock: bool,
@@ -68,6 +69,7 @@ pub(super) fn tell(
             damaged: own.counts.damaged,
             clock_jumps: own.counts.jumps,
             interruptions: own.interruptions,
+            strangers: own.strangers,
             lost_counted: &own.counted_by,
             has_clock: uncertain.is_some(),
             uncertainty_s: uncertain.unwrap_or(own.arrival_spread_s),
@@ -120,6 +122,7 @@ fn line(device: &Device<'_>) -> String {
         (device.late, "late"),
         (device.clock_jumps, "jumps of its clock"),
         (device.interruptions, "interruptions"),
+        (device.strangers, "packets of other senders left out"),
     ];
     let others =
         others.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!(", {count} {what}"));
