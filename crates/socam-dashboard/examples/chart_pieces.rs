@@ -14,6 +14,7 @@ use socam_chart::{svg, theme};
 use socam_dashboard::spectra::spectrogram::{colours, spectrogram};
 use socam_recording::{Channel, Dataset, Unit};
 use socam_samples::{Samples, envelope};
+use socam_spectrum::Welch;
 use socam_workbench::job::Handle;
 
 const SIZE: [f32; 2] = [1280.0, 1200.0];

@@ -5,12 +5,15 @@ use socam_model::{BUILTIN, Model};
 use socam_workbench::Workspace;
 use socam_workbench::setup::is_built_in;
 
+use crate::together::level;
+
 /// Draws the model that is used, and others to choose: the embedded ones, and those that were open in this window. Returns another model
 /// if one was chosen.
 pub(crate) fn ui(ui: &mut Ui, workspace: &Workspace) -> Option<Model> {
     let (model, known) = (workspace.model(), workspace.known_models());
     let mut wanted = None;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
+        level(ui);
         let label = ui.label("Model");
         let shown = ComboBox::from_id_salt("model").width(230.0).selected_text(title(model));
         let shown = shown.show_ui(ui, |ui| {

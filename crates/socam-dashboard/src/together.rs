@@ -2,6 +2,12 @@
 
 use egui::{InnerResponse, TextStyle, Ui, WidgetText};
 
+/// Makes a row, of which the next widget is the first one, as high as a button: a label that begins it stands at the height of the others.
+pub(crate) fn level(ui: &mut Ui) {
+    let height = ui.text_style_height(&TextStyle::Button) + 2.0 * ui.spacing().button_padding.y;
+    ui.set_row_height(height.max(ui.spacing().interact_size.y));
+}
+
 /// Room that a control of so many points and its label take in a row; begins a new row where the rest of this one is narrower.
 pub(crate) fn keep(ui: &mut Ui, label: &str, width: f32) {
     let font = TextStyle::Body.resolve(ui.style());
@@ -11,6 +17,7 @@ pub(crate) fn keep(ui: &mut Ui, label: &str, width: f32) {
     let is_at_the_start = ui.cursor().left() <= ui.max_rect().left() + 1.0;
     if !is_at_the_start && ui.available_size_before_wrap().x < needed {
         ui.end_row();
+        level(ui);
     }
 }
 

@@ -20,7 +20,7 @@ pub struct Recording {
     pub about: About,
     /// Samples of the recording.
     pub samples: Arc<Samples>,
-    file: Option<(PathBuf, Read)>,
+    file: Option<Arc<(PathBuf, Read)>>,
     /// The span of [`Recording::dataset`] where there is no file from which it is read by its name.
     span: Option<[f64; 2]>,
 }
@@ -60,7 +60,7 @@ impl Recording {
     /// When it is no recording, cannot be read, or opening was cancelled; one sentence.
     pub fn open(run: &str, read: Read, handle: &Handle) -> Result<Self, String> {
         let path = Selection::parse(run).map_err(sentence)?.path;
-        Ok(Self { file: Some((path, read)), ..Self::of(&read(run)?, handle)? })
+        Ok(Self { file: Some(Arc::new((path, read))), ..Self::of(&read(run)?, handle)? })
     }
 
     /// Opens a recording. A long one gets an index file in the user's cache, which makes the next opening fast.
@@ -74,7 +74,7 @@ impl Recording {
         let known = index_path.as_deref().and_then(|path| index::open::<About>(path).ok());
         if let Some((about, samples)) = known {
             let about = About { name: run.into(), ..about };
-            return Ok(Self { file: Some((path, read)), ..Self::in_memory(about, samples) });
+            return Ok(Self { file: Some(Arc::new((path, read))), ..Self::in_memory(about, samples) });
         }
         handle.doing(format!("Reading {}", short(run)));
         let data = read(run)?;
@@ -89,13 +89,13 @@ impl Recording {
             }
             None => Self::of(&data, handle)?,
         };
-        Ok(Self { file: Some((path, read)), ..recording })
+        Ok(Self { file: Some(Arc::new((path, read))), ..recording })
     }
 
     /// File of the recording; `None` if it was simulated here.
     #[must_use]
     pub fn path(&self) -> Option<&Path> {
-        self.file.as_ref().map(|(path, _)| path.as_path())
+        self.file.as_ref().map(|file| file.0.as_path())
     }
 
     /// The samples in full precision: read again from the file if there is one, else the samples that are drawn.
@@ -104,8 +104,8 @@ impl Recording {
     /// When its file cannot be read again; one sentence.
     pub fn dataset(&self) -> Result<Dataset, String> {
         let about = &self.about;
-        if let Some((_, read)) = &self.file {
-            return read(&about.name);
+        if let Some(file) = &self.file {
+            return (file.1)(&about.name);
         }
         let rows = match self.span {
             Some([from, to]) => self.samples.row_at(from)..self.samples.row_at(to),

@@ -1,5 +1,6 @@
 //! Contents of a chart: lines, markers, bands, flags and the title.
 
+use egui::text::{LayoutJob, TextWrapping};
 use egui::{Color32, FontId, Painter, Rangef, Rect, Shape, Stroke, Ui, pos2, vec2};
 use egui_plot::{MarkerShape, PlotPoint, PlotPoints, PlotTransform, Points};
 
@@ -114,6 +115,9 @@ pub(super) fn band(
     }
 }
 
+/// Size of the letters of a title in a narrow chart, points.
+const SMALLEST_TITLE: f32 = 9.0;
+
 pub(super) fn title(ui: &Ui, painter: &Painter, frame: Rect, text: &str) {
     let galley =
         |size| painter.layout_no_wrap(text.to_owned(), FontId::proportional(size), ui.visuals().text_color());
@@ -121,7 +125,16 @@ pub(super) fn title(ui: &Ui, painter: &Painter, frame: Rect, text: &str) {
     let whole = galley(size);
     // In a narrow chart the title is set in smaller letters, so that it is not cut off.
     let narrow = whole.size().x > room;
-    let galley = if narrow { galley((size * room / whole.size().x).max(9.0)) } else { whole };
+    let galley = if narrow { galley((size * room / whole.size().x).max(SMALLEST_TITLE)) } else { whole };
+    // What is too long even so ends in dots.
+    let galley = if galley.size().x > room + 1.0 {
+        let font = FontId::proportional(SMALLEST_TITLE);
+        let mut job = LayoutJob::simple_singleline(text.to_owned(), font, ui.visuals().text_color());
+        job.wrap = TextWrapping::truncate_at_width(room.max(1.0));
+        painter.layout_job(job)
+    } else {
+        galley
+    };
     let at = frame.left_top() + vec2(7.0, 5.0);
     let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.85);
     painter.rect_filled(Rect::from_min_size(at, galley.size()).expand2(vec2(4.0, 2.0)), 3.0, ground);

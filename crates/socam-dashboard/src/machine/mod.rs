@@ -287,10 +287,10 @@ impl MachineView {
                     self.selected = Some(place.name.clone());
                 }
             }
-            let boxes = drawing.places.iter().filter(|place| scene::is_sensor(place));
-            wired = boxes
-                .filter_map(|own| columns::drop_at(ui, model, &own.name, stand.area(own.from, own.to)))
-                .last();
+            for own in drawing.places.iter().filter(|place| scene::is_sensor(place)) {
+                let area = stand.area(own.from, own.to);
+                wired = columns::drop_at(ui, model, &own.name, area).or(wired.take());
+            }
             let shapes = scene.shapes(ui, stand);
             ui.painter().extend(shapes);
             let part =

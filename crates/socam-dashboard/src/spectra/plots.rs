@@ -94,8 +94,12 @@ impl Spectra {
             || found.iter().filter_map(|result| Some(&result.as_ref()?.as_ref().ok()?.response.lines));
         let x = range_of(lines().flatten().map(|line| line.frequency_hz)).unwrap_or([0.1, 100.0]);
         let [over, under] = [output, input].map(|column| signal_of(shown, column));
-        let ratio = format!("({})/({})", over.1, under.1);
-        let unit = if self.in_decibel { format!("dB of {ratio}") } else { ratio };
+        let unit = match (over.1 == under.1, self.in_decibel) {
+            (true, false) => "1".to_owned(),
+            (true, true) => "dB".to_owned(),
+            (false, false) => format!("({})/({})", over.1, under.1),
+            (false, true) => format!("dB of ({})/({})", over.1, under.1),
+        };
         let mut charts = [
             ("magnitude", format!("|{} / {}|, {unit}", over.0, under.0)),
             ("phase", "phase, degrees".to_owned()),

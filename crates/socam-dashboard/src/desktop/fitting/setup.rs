@@ -7,6 +7,7 @@ use socam_workbench::Workspace;
 
 use super::{parameters, roles};
 use crate::model_choice;
+use crate::together::level;
 
 /// Draws the set-up. Returns another model if one was chosen.
 pub(in crate::platform) fn ui(ui: &mut Ui, workspace: &mut Workspace) -> Option<Model> {
@@ -28,25 +29,29 @@ pub(in crate::platform) fn ui(ui: &mut Ui, workspace: &mut Workspace) -> Option<
 
 /// The range that is read of each recording.
 fn range(ui: &mut Ui, range_s: &mut Option<[f64; 2]>, in_sight: Option<[f64; 2]>) {
-    ui.horizontal_wrapped(|ui| match *range_s {
-        Some([from, to]) => {
-            ui.label(format!("Of each, {} s to {} s", six(from), six(to)));
-            let whole = ui.button("Whole recordings");
-            if whole.on_hover_text("Read all of each recording").clicked() {
-                *range_s = None;
-            }
-        }
-        None => {
-            ui.label(RichText::new("Whole recordings").color(theme::weak(ui)));
-            ui.add_enabled_ui(in_sight.is_some(), |ui| {
-                let button = ui.button("Range in sight");
-                let button = button.on_hover_text("Read what the Time view has in sight of each recording");
-                let button =
-                    button.on_disabled_hover_text("Zoom in the Time view: its range can then be fitted");
-                if button.clicked() {
-                    *range_s = in_sight;
+    ui.horizontal_wrapped(|ui| {
+        level(ui);
+        match *range_s {
+            Some([from, to]) => {
+                ui.label(format!("Of each, {} s to {} s", six(from), six(to)));
+                let whole = ui.button("Whole recordings");
+                if whole.on_hover_text("Read all of each recording").clicked() {
+                    *range_s = None;
                 }
-            });
+            }
+            None => {
+                ui.label(RichText::new("Whole recordings").color(theme::weak(ui)));
+                ui.add_enabled_ui(in_sight.is_some(), |ui| {
+                    let button = ui.button("Range in sight");
+                    let button =
+                        button.on_hover_text("Read what the Time view has in sight of each recording");
+                    let button =
+                        button.on_disabled_hover_text("Zoom in the Time view: its range can then be fitted");
+                    if button.clicked() {
+                        *range_s = in_sight;
+                    }
+                });
+            }
         }
     });
 }
