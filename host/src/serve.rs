@@ -54,10 +54,6 @@ mod absent {
         pub(crate) fn event(&mut self, _: &Event) {
             match *self {}
         }
-
-        pub(crate) fn finish(&mut self) {
-            match *self {}
-        }
     }
 }
 

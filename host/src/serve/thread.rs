@@ -103,7 +103,7 @@ impl Serve {
     }
 
     /// Ends the server, and says what clients did not get.
-    pub(crate) fn finish(&mut self) {
+    fn finish(&mut self) {
         self.batches = None;
         let Some(Ok(totals)) = self.thread.take().map(JoinHandle::join) else { return };
         if self.left_out > 0 {
