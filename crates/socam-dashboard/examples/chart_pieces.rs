@@ -14,7 +14,6 @@ use socam_chart::{svg, theme};
 use socam_dashboard::spectra::spectrogram::{colours, spectrogram};
 use socam_recording::{Channel, Dataset, Unit};
 use socam_samples::{Samples, envelope};
-use socam_spectrum::Welch;
 use socam_workbench::job::Handle;
 
 const SIZE: [f32; 2] = [1280.0, 1200.0];
@@ -104,13 +103,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).ok_or("say into which folder")?);
     std::fs::create_dir_all(&folder)?;
     let samples = samples();
-    let cells = spectrogram(
-        &samples,
-        2,
-        [0.0, 20.0],
-        (400, socam_spectrum::welch::Welch::new(256)),
-        &Handle::default(),
-    )?;
+    let cells =
+        spectrogram(&samples, 2, [0.0, 20.0], (400, socam_spectrum::Welch::new(256)), &Handle::default())?;
     for (look, name) in [(theme::Look::Light, "light"), (theme::Look::Dark, "dark")] {
         let ctx = egui::Context::default();
         theme::apply(&ctx, look);

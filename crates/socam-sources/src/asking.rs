@@ -13,6 +13,8 @@ const DRAINED_NS: i64 = 2_000_000_000;
 #[derive(Debug)]
 pub(crate) struct Asking {
     period_ns: i64,
+    /// Longest time until the answer, ns.
+    within_ns: i64,
     due_ns: i64,
     asked_ns: Option<i64>,
     /// The first of the questions without an answer before that one: an answer now may be to it.
@@ -26,6 +28,7 @@ impl Asking {
     pub(crate) fn new(period_ns: i64) -> Self {
         Self {
             period_ns: period_ns.max(1),
+            within_ns: ANSWER_NS,
             due_ns: 0,
             asked_ns: None,
             doubtful_ns: None,
@@ -34,10 +37,17 @@ impl Asking {
         }
     }
 
+    /// Questions whose answers take this much longer, ns.
+    pub(crate) fn slower_by(self, more_ns: i64) -> Self {
+        Self { within_ns: self.within_ns.saturating_add(more_ns), ..self }
+    }
+
     /// Appends the question if it is due; returns the time of the next call.
     pub(crate) fn poll(&mut self, now_ns: i64, question: &[u8], out: &mut Vec<u8>) -> i64 {
         match self.asked_ns {
-            Some(asked_ns) if now_ns < asked_ns.saturating_add(ANSWER_NS) => return asked_ns + ANSWER_NS,
+            Some(asked_ns) if now_ns < asked_ns.saturating_add(self.within_ns) => {
+                return asked_ns.saturating_add(self.within_ns);
+            }
             Some(asked_ns) => {
                 self.missing += 1;
                 self.doubtful_ns.get_or_insert(asked_ns);
@@ -50,7 +60,7 @@ impl Asking {
         self.draining_ns = None;
         // A device that is slower than the interval is asked as often as it answers, not more often later.
         self.due_ns = self.due_ns.saturating_add(self.period_ns).max(now_ns);
-        now_ns + ANSWER_NS
+        now_ns.saturating_add(self.within_ns)
     }
 
     /// The answer has arrived: a row without clock or number, taken at some time since the question. After questions without an answer it may be
@@ -79,7 +89,7 @@ impl Asking {
 
     /// Whether the present question has waited too long for its answer.
     pub(crate) fn is_overdue(&self, now_ns: i64) -> bool {
-        self.asked_ns.is_some_and(|asked_ns| now_ns >= asked_ns.saturating_add(ANSWER_NS))
+        self.asked_ns.is_some_and(|asked_ns| now_ns >= asked_ns.saturating_add(self.within_ns))
     }
 
     pub(crate) fn awaits(&self) -> bool {

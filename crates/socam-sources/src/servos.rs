@@ -12,7 +12,9 @@ use crate::error::{Result, SourceError};
 
 /// Most servos of a bus.
 const MOST: usize = 32;
-/// Questions without an answer after which a servo is taken not to be there; each waits for 50 ms.
+/// Longest time by which each further servo delays the last answer, ns: 33 bytes take 9 ms at 38400 baud.
+const MORE_NS: i64 = 10_000_000;
+/// Questions without an answer after which a servo is taken not to be there.
 const MOST_UNANSWERED: u32 = 40;
 
 /// A measured quantity of a servo: its value is its register times a factor that the servo states, plus the offset.
@@ -112,7 +114,7 @@ impl Servos {
                 make,
                 channels: channels(make, ids),
                 servos: ids.iter().map(servo).collect(),
-                asking: Asking::new(period_ns),
+                asking: Asking::new(period_ns).slower_by(MORE_NS * (ids.len() as i64 - 1)),
                 bytes: Vec::new(),
                 arrival_ns: 0,
                 late: Vec::new(),

@@ -169,11 +169,11 @@ fn servos_of_one_bus_are_recorded_by_one_question() {
         ),
     ];
     for (device, width, answer) in &mut bus {
-        let heard = ask(device, 6.0, |time_s, bytes| answer(time_s, bytes), |_, answer| answer);
+        let heard = ask(device, 8.0, |time_s, bytes| answer(time_s, bytes), |_, answer| answer);
         let rows = rows(&heard);
         assert_eq!(device.channels()[*width].name, "servo1_position");
         assert_eq!(device.channels().len(), 3 * *width);
-        // A hundred questions waited 50 ms for the third servo; the three first ones were for facts.
+        // A hundred questions waited 70 ms for the third servo; the three first ones were for facts.
         assert!((1090..=1110).contains(&rows.len()), "{}", rows.len());
         for row in &rows {
             let parts: Vec<&[f64]> = row.values.chunks(*width).collect();

@@ -4,6 +4,7 @@ use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::Duration;
 
+use proptest::prelude::*;
 use serde_json::{Value as Json, json};
 use socam_recording::Channel;
 use socam_sources::foxglove::{Connection, Message, Publisher, Said, SampleWriter, Survey, Topics};
@@ -294,4 +295,55 @@ fn what_cannot_be_recorded_is_said_in_one_sentence() {
     assert!(refusal(&[]).starts_with("name the topics to record, as in ?topics=/joint_states; it has "));
     let camera = refusal(&["/camera"]);
     assert!(camera.contains("the topic `/camera` cannot be recorded: its schema"), "{camera}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    /// Damaged frames of either end, cut anywhere, make no panic and no row of another width.
+    #[test]
+    fn damaged_frames_are_survived(
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6),
+        cut in any::<prop::sample::Index>(),
+        is_server in any::<bool>(),
+    ) {
+        let channels = [Channel::new("speed", Unit::RadPerS)];
+        let writer = SampleWriter::new(&channels, "bench", "1");
+        let mut publisher = Publisher::new(&writer);
+        let topics = ["/socam/sample".to_owned()];
+        let mut client = Connection::new("127.0.0.1:8765", &topics).unwrap();
+        let mut hello = Vec::new();
+        client.send(&mut hello).unwrap();
+        publisher.receive(&hello).unwrap();
+        client.receive(chunk(&std::mem::take(publisher.outgoing()), 0), |_, _| {});
+        let mut subscribe = Vec::new();
+        client.send(&mut subscribe).unwrap();
+        publisher.receive(&subscribe).unwrap();
+        for k in 0..20 {
+            publisher.sample(k, &writer.sample(k, &[0.5]));
+        }
+        // What the client sent, or what it gets to read next.
+        let mut bytes = if is_server { subscribe } else { std::mem::take(publisher.outgoing()) };
+        for (index, change) in changes {
+            let at = index.index(bytes.len());
+            bytes[at] ^= change;
+        }
+        bytes.truncate(cut.index(bytes.len()) + 1);
+        if is_server {
+            let _ = publisher.receive(&bytes);
+            publisher.sample(30, &writer.sample(30, &[f64::NAN]));
+            return Ok(());
+        }
+        let mut heard = Vec::new();
+        client.receive(chunk(&bytes, 0), |_, said| heard.push(said));
+        let _ = client.send(&mut Vec::new());
+        let Ok(survey) = Survey::new(client, messages(heard)) else { return Ok(()) };
+        let Ok(description) = survey.found(true).and_then(|found| found.description()) else { return Ok(()) };
+        let mut device = Topics::new(survey, description);
+        let mut heard = Vec::new();
+        device.receive(chunk(&[], 0), &mut heard);
+        for row in rows(&heard) {
+            prop_assert_eq!(row.values.len(), device.channels().len());
+        }
+    }
 }

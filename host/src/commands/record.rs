@@ -1,6 +1,7 @@
 //! `record`: run a profile on a bench and record it.
 
 mod can;
+pub(crate) mod described;
 mod drive;
 mod foxglove;
 pub(crate) mod opened;
@@ -27,9 +28,10 @@ use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
 use crate::output::{self, WrongArguments};
 use crate::serve::{Serve, ServeAddress};
+use described::SourceArgs;
 use drive::DriveArgs;
 pub(crate) use result::{outcome, tell};
-use source::{SourceArgs, Target};
+use source::Target;
 
 /// Run a profile on the bench and record it
 ///
@@ -50,6 +52,8 @@ use source::{SourceArgs, Target};
   socam-host record --device udp:0.0.0.0:9870 -o run.mcap --describe arm.toml --duration 60s
   socam-host record --device slcan:/dev/ttyACM0?bitrate=500k -o run.mcap --dbc motor.dbc --duration 60s
   socam-host record --device canopen+socketcan:can0?node=5 -o run.mcap --describe axis.toml --rate 100 --duration 60s
+  socam-host record --device feetech:/dev/ttyACM0?id=1,2,3,4,5,6 -o arm.mcap --rate 100
+  socam-host record --device foxglove:robot:8765?topics=/joint_states -o run.mcap --describe joints.toml --serve 8765
   socam-host record --device moteus:/dev/ttyACM0?id=1 -o run.mcap --profile speeds.toml --limit 30rad/s --limit 0.5Nm --arm")]
 pub(crate) struct Args {
     /// Log to write (.mcap)

@@ -9,6 +9,7 @@ use socam_sources::can::odrive::OdriveCan;
 use socam_sources::can::{CanBus, Gateway, survey};
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
+use socam_sources::simulators::{DynamixelSimulator, FeetechSimulator, Motor};
 use socam_sources::text::{Bounds, TextDevice, probe};
 use socam_sources::{Chunk, Description, Device, Heard, dynamixel, feetech};
 
@@ -186,8 +187,39 @@ pub(crate) fn frame_seeds(_: &Path) -> Vec<Vec<u8>> {
 }
 
 pub(crate) fn drive_seeds(_: &Path) -> Vec<Vec<u8>> {
-    vec![
+    let motor = Motor::turning(2.0, 0.25, 12.0);
+    let (mut first, mut second) =
+        (DynamixelSimulator::new(1, 1020, motor), DynamixelSimulator::new(2, 1060, motor));
+    let dynamixels = dynamixel::servos(&[1, 2], 1).map(|device| {
+        answers(device, |time_s, bytes| {
+            [first.receive(time_s, bytes), second.receive(time_s, bytes)].concat()
+        })
+    });
+    let (mut first, mut second) = (FeetechSimulator::new(1, motor), FeetechSimulator::new(2, motor));
+    let feetechs = feetech::servos(&[1, 2], 1).map(|device| {
+        answers(device, |time_s, bytes| {
+            [first.receive(time_s, bytes), second.receive(time_s, bytes)].concat()
+        })
+    });
+    let mut seeds: Vec<Vec<u8>> = dynamixels.into_iter().chain(feetechs).collect();
+    seeds.extend([
         b"OK\r\nrcv 0100 21000A2D0100004841 2D0200000040 E B F\r\nrcv 0100 23000A0102 E B F\r\nrcv 0100 21000A2D01000048412D0200000040210F00 E B F\r\n".to_vec(),
         b"1.5 2.0\r\n0.25\r\n24.0\r\n0\r\n1.6 2.0\r\ninvalid property\r\n24.0\r\n2048\r\n".to_vec(),
-    ]
+    ]);
+    seeds
+}
+
+/// What a bus answers to some questions.
+fn answers(mut device: impl Device, mut bus: impl FnMut(f64, &[u8]) -> Vec<u8>) -> Vec<u8> {
+    let (mut all, mut heard) = (Vec::new(), Vec::new());
+    for turn in 0..10_i64 {
+        let (now_ns, mut question) = (turn * 1_000_000, Vec::new());
+        if device.poll(now_ns, &mut question).is_err() {
+            return all;
+        }
+        let bytes = bus(now_ns as f64 * 1e-9, &question);
+        device.receive(Chunk { bytes: &bytes, from_ns: now_ns, until_ns: now_ns }, &mut heard);
+        all.extend(bytes);
+    }
+    all
 }

@@ -27,22 +27,19 @@ pub(super) fn sources(
     settings: SpectrumSettings,
     in_sight: Option<[f64; 2]>,
 ) -> Vec<Source<'_>> {
-    let of_entry = |entry: &'_ Entry| {
+    let mut all = Vec::new();
+    for entry in entries.iter().filter(|entry| entry.shown) {
+        let (number, name) = (entry.number, name_among(entries, entry));
         let part = Part::of(settings, in_sight, entry.shift_s);
-        let of = |samples, signals| Source {
-            number: entry.number,
-            name: name_among(entries, entry),
-            samples,
-            signals,
-            part,
-        };
         let recorded = entry.recording.about.channels.len();
-        let mut all = vec![of(&entry.recording.samples, entry.signals().take(recorded).collect())];
+        let signals = entry.signals().take(recorded).collect();
+        all.push(Source { number, name, samples: &entry.recording.samples, signals, part });
         // Each derived channel has samples of its own.
         for signal in entry.signals().skip(recorded) {
-            all.extend(entry.find(&signal).map(|(samples, _)| of(samples, vec![signal.clone()])));
+            if let Some((samples, _)) = entry.find(&signal) {
+                all.push(Source { number, name, samples, signals: vec![signal], part });
+            }
         }
-        all
-    };
-    entries.iter().filter(|entry| entry.shown).flat_map(of_entry).collect()
+    }
+    all
 }

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use socam_workbench::device::{Needs, Stated, Wanted};
 
-use crate::commands::record::source::{self as record_source, SourceArgs, Target};
+use crate::commands::record::described::SourceArgs;
+use crate::commands::record::source::{self as record_source, Target};
 
 /// The device that is wanted, with what is said of it.
 pub(super) fn target(wanted: &Wanted) -> anyhow::Result<(Target, SourceArgs)> {

@@ -6,8 +6,8 @@ use crate::device::source::{Link, Node, SourceAddress};
 use crate::interrupt::Interrupt;
 use crate::output::WrongArguments;
 
+use super::described::SourceArgs;
 use super::opened::Opened;
-use super::source::SourceArgs;
 
 /// Opens what is recorded of a bus.
 #[cfg(feature = "formats-can")]

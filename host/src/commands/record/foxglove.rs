@@ -9,7 +9,7 @@ pub(super) fn open(
     _: &mut crate::device::source::Link,
     name: &str,
     _: &[String],
-    _: &super::source::SourceArgs,
+    _: &super::described::SourceArgs,
     _: &crate::interrupt::Interrupt,
 ) -> anyhow::Result<super::opened::Opened> {
     let problem = format!("{name}: this program was built without `foxglove`, which subscribes to topics");
@@ -22,8 +22,8 @@ mod listening {
     use socam_sources::foxglove::{Connection, Message, Said, Survey, Topics};
     use socam_sources::{Device, Timeline};
 
+    use crate::commands::record::described::{SourceArgs, described};
     use crate::commands::record::opened::Opened;
-    use crate::commands::record::source::{SourceArgs, described};
     use crate::device::source::{Link, Listened};
     use crate::interrupt::Interrupt;
     use crate::output;

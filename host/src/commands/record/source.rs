@@ -1,16 +1,17 @@
 //! `record` of a device that is not the own board.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::str::FromStr;
 
 use socam_monitoring::Monitor;
 use socam_recording::{MACHINE_KEY, RecordingHeader};
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
-use socam_sources::text::{Found, TextDevice};
-use socam_sources::{Description, Device as _, SourceError, Timeline, dynamixel, feetech};
+use socam_sources::text::TextDevice;
+use socam_sources::{Device as _, Timeline, dynamixel, feetech};
 
+use super::described::{SourceArgs, described};
 use super::drive::{self, Armed};
 use super::opened::Opened;
 use super::source_result::{outcome, tell};
@@ -21,22 +22,7 @@ use crate::device::Device;
 use crate::device::source::{Link, Node, Protocol, SourceAddress, SourcePlan, listen, record};
 use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
-use crate::output::{self, WrongArguments};
-
-/// Options of devices other than the own board.
-#[derive(Debug, Clone, clap::Args)]
-pub(crate) struct SourceArgs {
-    /// File that says what a device's lines hold: names, units, clock. If there is none, it is written, with a question mark for all that
-    /// the device does not state; complete it and record again. For a drive with CANopen, the list of its objects
-    #[arg(long, value_name = "D.toml")]
-    pub(crate) describe: Option<PathBuf>,
-    /// Take units that names suggest without asking, and leave out signals whose names suggest none
-    #[arg(long)]
-    pub(crate) accept_guesses: bool,
-    /// DBC that says what the frames of a CAN bus hold
-    #[arg(long, value_name = "FILE.dbc")]
-    pub(crate) dbc: Option<PathBuf>,
-}
+use crate::output::WrongArguments;
 
 /// What `--device` names.
 #[derive(Debug, Clone)]
@@ -219,54 +205,6 @@ pub(super) fn refuse_board_options(args: &Args, address: &SourceAddress) -> Resu
             "{option} commands a board or a virtual bench; {address} is only listened to, so leave it out"
         ))),
         None => Ok(()),
-    }
-}
-
-/// A description with its text.
-pub(super) struct Described {
-    pub(super) read: Description,
-    pub(super) text: String,
-}
-
-/// The description of a file, or of what was heard; a file that is missing is written.
-pub(super) fn described(
-    args: &SourceArgs,
-    name: &str,
-    found: impl Fn(bool) -> socam_sources::Result<Found>,
-    check: impl Fn(&Description) -> anyhow::Result<()>,
-) -> anyhow::Result<Described> {
-    if let Some(file) = args.describe.as_deref().filter(|file| file.exists()) {
-        let read = Description::open(file)?;
-        check(&read)?;
-        return Ok(Described { read, text: socam_recording::read_text(file)? });
-    }
-    let found = found(args.accept_guesses).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
-    let read = found.description();
-    if let Some(file) = &args.describe {
-        output::write_whole(file, &found.text)?;
-        output::say(format_args!("wrote `{}`", file.display()));
-    }
-    match read {
-        Ok(read) => {
-            check(&read)?;
-            say_found(&found);
-            Ok(Described { read, text: found.text })
-        }
-        Err(error @ SourceError::Unstated { .. }) => {
-            let todo = match &args.describe {
-                Some(file) => format!("replace each \"?\" in `{}`, and record again", file.display()),
-                None => "name a file by --describe D.toml, which is written for you to complete, or take the likeliest by --accept-guesses"
-                    .to_owned(),
-            };
-            anyhow::bail!("{name}: {error}: {todo}")
-        }
-        Err(error) => anyhow::bail!("{name}: {error}"),
-    }
-}
-
-fn say_found(found: &Found) {
-    for assumed in &found.assumed {
-        output::warn(format_args!("not stated by the device: {assumed}"));
     }
 }
 

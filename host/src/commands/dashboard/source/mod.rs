@@ -18,9 +18,9 @@ use socam_workbench::link::{Bench, News, Order};
 use self::opening::Ready;
 use self::recording::{Header, Recording};
 use self::shown::Shown;
+use crate::commands::record::described::SourceArgs;
 use crate::commands::record::now_unix_ns;
 use crate::commands::record::opened::Opened;
-use crate::commands::record::source::SourceArgs;
 use crate::device::source::{Got, Link, Listener, Row, SourceAddress};
 
 /// Interval of the states that the window is told.

@@ -5,8 +5,9 @@ use socam_sources::text::TextDevice;
 use socam_sources::{Description, Device as _, SourceError, Timeline};
 use socam_workbench::device::{Peer, Source, Unstated};
 
+use crate::commands::record::described::SourceArgs;
 use crate::commands::record::opened::Opened;
-use crate::commands::record::source::{self, SourceArgs};
+use crate::commands::record::source;
 use crate::device::source::{Link, Node, Protocol, SourceAddress, listen};
 use crate::interrupt::Interrupt;
 

@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 use socam_recording::Channel;
 use socam_sources::Counts;
 
+use crate::commands::record::described::SourceArgs;
 use crate::commands::record::opened::Opened;
-use crate::commands::record::source::{SourceArgs, open};
+use crate::commands::record::source::open;
 use crate::device::source::{Got, Link, Listener, SourceAddress};
 use crate::interrupt::Interrupt;
 
