@@ -124,9 +124,9 @@ impl Ports for Hardware {
         }
     }
 
-    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
+    fn read(&mut self, counts: &mut [i32]) -> Result<(), ConverterSilent> {
         let failed = core::mem::replace(&mut self.failed, false);
-        counts.iter_mut().zip(self.average.sample()).for_each(|(count, sample)| *count = *sample);
+        counts.iter_mut().zip(self.average.sample()).for_each(|(count, sample)| *count = i32::from(*sample));
         if failed || counts.len() > usize::from(CHANNELS) { Err(ConverterSilent) } else { Ok(()) }
     }
 

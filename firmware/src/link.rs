@@ -134,7 +134,7 @@ async fn speak(talk: &RefCell<Talk>, out: &Outgoing) {
     let mut ticker = Ticker::every(LOOK_EVERY);
     let (mut sent, mut status_sent) = (Instant::now(), Instant::now());
     let mut told = STATE_AND_FAULT.load(Ordering::Relaxed);
-    let mut channels = 0;
+    let mut layout = None;
     loop {
         ticker.next().await;
         watchdog::link_is_at_work();
@@ -143,11 +143,12 @@ async fn speak(talk: &RefCell<Talk>, out: &Outgoing) {
         let has_changed = state_and_fault != told;
         let is_late = sent.elapsed() >= LATEST_SEND;
         let at_least = if is_late || has_changed { 1 } else { BATCH_SAMPLES };
-        let asked = (has_changed || status_sent.elapsed() >= STATUS_EVERY || channels == 0)
+        let asked = (has_changed || status_sent.elapsed() >= STATUS_EVERY || layout.is_none())
             .then(|| core.ask(Ask::Status));
-        channels = asked.as_ref().map_or(channels, |answer| answer.channels);
+        layout = asked.as_ref().map(|answer| answer.layout).or(layout);
         while out.free_capacity() >= MAX_FRAME
-            && let Some(len) = link.samples(channels, at_least, frame)
+            && let Some(layout) = layout
+            && let Some(len) = link.samples(layout, at_least, frame)
         {
             put(out, frame.get(..len).unwrap_or_default());
             sent = Instant::now();

@@ -27,7 +27,7 @@ use embassy_rp::spi::{Phase, Polarity, Spi};
 use embassy_rp::{bind_interrupts, pac, usb};
 use socam_converters::{Ad5761r, Ads8688};
 use socam_core::{Board, Config, Fault, Ring};
-use socam_wire::{BoardLink, EnableFeedback, FrontEnd, Identity, Image, Start, Text};
+use socam_wire::{BoardKind, BoardLink, EnableFeedback, FrontEnd, Identity, Image, Start, Text};
 use static_cell::StaticCell;
 
 use bus::Chip;
@@ -120,6 +120,7 @@ fn identity(start: Start, enable_feedback: EnableFeedback, image: Image) -> Iden
         board: Text::new("Raspberry Pi Pico, ADS8688, AD5761R"),
         firmware: Text::new(concat!(env!("CARGO_PKG_VERSION"), " ", env!("SOCAM_COMMIT"))),
         front_end: FrontEnd {
+            kind: BoardKind::Analog,
             input_full_scale_uv: Ads8688::<Chip>::FULL_SCALE_UV,
             output_full_scale_uv: Ad5761r::<Chip>::FULL_SCALE_UV,
             channel_step_ns: CHANNEL_STEP_NS,

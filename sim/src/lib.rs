@@ -24,6 +24,7 @@ mod drive;
 mod error;
 mod fault;
 mod fleet;
+mod gearmotor;
 mod late;
 mod plant;
 mod record;

@@ -37,6 +37,7 @@ mod firmware_image;
 #[cfg(all(unix, feature = "full"))]
 mod fleet;
 mod frequency;
+mod gearmotor;
 mod identify;
 mod import;
 #[cfg(feature = "full")]

@@ -2,8 +2,9 @@
 
 mod requests;
 
-use crate::config::{Config, MAX_CHANNELS};
+use crate::config::Config;
 use crate::fixed;
+use crate::layout::MAX_CHANNELS;
 use crate::ports::{ConverterSilent, Ports};
 use crate::profile::{Command, Generator, Profile, Setpoint};
 use crate::ring::Producer;
@@ -114,11 +115,15 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         self.drive();
 
         if self.streaming {
+            let inputs = self.ports.inputs();
+            let [first, second] = Flags::INPUTS;
             let limited = setpoint.limited || clamped;
             let flags = Flags::new(self.state())
                 .with(Flags::LIMITED, limited)
                 .with(Flags::OVERRUN, missed > 0)
-                .with(Flags::NO_READING, read.is_err());
+                .with(Flags::NO_READING, read.is_err())
+                .with(first, inputs & 1 != 0)
+                .with(second, inputs & 2 != 0);
             self.samples.push(&Sample {
                 tick: self.schedule.tick(),
                 seq: self.seq,
@@ -181,7 +186,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
     }
 
     /// The reason to cut the output now, if there is one.
-    fn cause(&mut self, now_us: u64, counts: &[i16; MAX_CHANNELS]) -> Option<Fault> {
+    fn cause(&mut self, now_us: u64, counts: &[i32; MAX_CHANNELS]) -> Option<Fault> {
         if !self.state().is_watched() {
             return None;
         }
@@ -231,7 +236,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
     }
 
     /// Converts the setpoint to the output voltage; returns whether the clamp changed it.
-    fn command(&mut self, setpoint: &Setpoint, counts: &[i16; MAX_CHANNELS]) -> bool {
+    fn command(&mut self, setpoint: &Setpoint, counts: &[i32; MAX_CHANNELS]) -> bool {
         if !self.state().is_live() {
             self.output_uv = 0;
             return false;

@@ -5,10 +5,9 @@ mod error;
 pub use error::ConfigError;
 
 use crate::ceilings::Ceilings;
+use crate::layout::{Layout, MAX_CHANNELS, WIDE_CHANNELS};
+use crate::motor_watch::MotorWatch;
 use crate::scaling::{self, Converter, MotorCalibration, MotorLine, Scale, Sensor};
-
-/// Most converter channels that a board can sample.
-pub const MAX_CHANNELS: usize = 8;
 
 /// The configuration of a board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -32,6 +31,8 @@ pub struct Config {
     pub moving_uv: i32,
     /// Longest time of a missing signal while the bench is expected to move, see [`Channel::missing_below_micro`].
     pub missing_after_us: u32,
+    /// The motor that is compared with its encoder, if there is one.
+    pub motor: Option<MotorWatch>,
 }
 
 /// One input channel. "Micro" is a millionth of its SI unit.
@@ -45,7 +46,7 @@ pub struct Channel {
     /// Largest allowed magnitude.
     pub limit_micro: Option<i32>,
     /// Magnitude from which the converter is at its rail.
-    pub saturation_count: Option<i16>,
+    pub saturation_count: Option<i32>,
     /// Longest time of one repeated count while the bench is expected to move.
     pub stuck_after_us: Option<u32>,
     /// Readings of at most this magnitude count as no signal. When they last for [`Config::missing_after_us`] while the bench is
@@ -61,8 +62,26 @@ pub enum ChannelKind {
     Speed,
     /// N m.
     Torque,
-    /// Anything else (V, A, ...).
+    /// Anything else (V, K, ...).
     Other,
+    /// A.
+    Current,
+    /// rad, of an encoder.
+    EncoderAngle,
+    /// rad/s, of an encoder.
+    EncoderSpeed,
+}
+
+impl ChannelKind {
+    /// Whether its counts need 32 bits.
+    pub fn is_wide(self) -> bool {
+        matches!(self, Self::EncoderAngle | Self::EncoderSpeed)
+    }
+
+    /// Whether a speed loop can use it.
+    fn is_speed(self) -> bool {
+        matches!(self, Self::Speed | Self::EncoderSpeed)
+    }
 }
 
 /// The command output.
@@ -110,7 +129,7 @@ impl Default for Config {
             kind,
             scale: sensor.scale(&converter),
             limit_micro: Some(scaling::micro(limit)),
-            saturation_count: Some(converter.highest_count()),
+            saturation_count: Some(converter.highest_count().into()),
             stuck_after_us: Some(25_000),
             missing_below_micro: None,
         };
@@ -141,6 +160,7 @@ impl Default for Config {
             confirm_samples: 1,
             moving_uv: 500_000,
             missing_after_us: 500_000,
+            motor: None,
         }
     }
 }
@@ -170,6 +190,17 @@ impl Config {
         self.channels.get(..usize::from(self.channel_count)).unwrap_or(&self.channels)
     }
 
+    /// Number and widths of the channels.
+    pub fn layout(&self) -> Layout {
+        Layout::of(self.used_channels().iter().map(|channel| channel.kind.is_wide()))
+    }
+
+    /// Value of a channel, in millionths of its unit.
+    pub(crate) fn value_micro(&self, index: u8, counts: &[i32; MAX_CHANNELS]) -> i32 {
+        let channel = self.channels.get(usize::from(index)).zip(counts.get(usize::from(index)));
+        channel.map_or(0, |(channel, count)| channel.scale.value_micro(*count))
+    }
+
     /// The tachometer of the speed control.
     pub(crate) fn tachometer(&self) -> Option<&Channel> {
         self.used_channels().get(usize::from(self.speed.tachometer))
@@ -184,7 +215,7 @@ impl Config {
             return Err(ConfigError::ChannelCount(self.channel_count));
         }
         for (i, channel) in (0u8..).zip(self.used_channels()) {
-            if !channel.is_sound() {
+            if !channel.is_sound() || (channel.kind.is_wide() && usize::from(i) >= WIDE_CHANNELS) {
                 return Err(ConfigError::Channel(i));
             }
         }
@@ -197,7 +228,7 @@ impl Config {
             return Err(ConfigError::Output);
         }
         if !self.speed.is_sound(self.sample_period_us)
-            || self.tachometer().is_none_or(|channel| channel.kind != ChannelKind::Speed)
+            || self.tachometer().is_none_or(|channel| !channel.kind.is_speed())
         {
             return Err(ConfigError::SpeedControl);
         }
@@ -206,6 +237,9 @@ impl Config {
         }
         if self.confirm_samples == 0 || self.moving_uv < 0 {
             return Err(ConfigError::Watch);
+        }
+        if self.motor.is_some_and(|motor| !motor.is_sound(self.channel_count)) {
+            return Err(ConfigError::Motor);
         }
         if !self.used_channels().iter().any(Channel::is_watched) {
             return Err(ConfigError::NoLimits);
@@ -241,8 +275,14 @@ impl Channel {
         let gain = self.scale.micro_per_count_q16.unsigned_abs();
         // Full scale, which a converter of fewer bits reaches in fewer counts, must stay inside i32: 2^31 micro, in 1/2^16.
         let full_scale_count = self.saturation_count.map_or(1 << 15, |rail| u64::from(rail.unsigned_abs()));
+        let fits = if self.kind.is_wide() {
+            // A value may saturate, the product with any count may not.
+            gain <= 1 << 30
+        } else {
+            gain.checked_mul(full_scale_count).is_some_and(|full_scale| full_scale <= 1 << 47)
+        };
         gain != 0
-            && gain.checked_mul(full_scale_count).is_some_and(|full_scale| full_scale <= 1 << 47)
+            && fits
             && self.limit_micro.is_none_or(|limit| limit > 0)
             && self.saturation_count.is_none_or(|count| count > 0)
             && self.missing_below_micro.is_none_or(|below| below >= 0)

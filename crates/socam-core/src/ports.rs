@@ -16,7 +16,7 @@ pub trait Ports {
     fn now_us(&mut self) -> u64;
 
     /// Reads one count per entry of `counts`, in channel order.
-    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent>;
+    fn read(&mut self, counts: &mut [i32]) -> Result<(), ConverterSilent>;
 
     /// Writes the command output, in signed counts around 0 V.
     fn write(&mut self, count: i16) -> Result<(), ConverterSilent>;
@@ -33,6 +33,11 @@ pub trait Ports {
     /// conversion or the conversions are unknown.
     fn repeated(&mut self, _channel: u8) -> Option<u32> {
         None
+    }
+
+    /// Digital inputs that are high now or were since the last call: bit 0 the first, bit 1 the second one.
+    fn inputs(&mut self) -> u8 {
+        0
     }
 
     /// Whether the emergency stop at the bench is pressed. Benches without one keep this default.

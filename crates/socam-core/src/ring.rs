@@ -5,9 +5,10 @@
 //! atomics of a model checker.
 
 use crate::atomic::{AtomicU32, Ordering};
-use crate::{Flags, MAX_CHANNELS, Sample};
+use crate::{Flags, MAX_CHANNELS, Sample, WIDE_CHANNELS};
 
-const WORDS: usize = 5 + MAX_CHANNELS / 2;
+/// Tick, sequence number, setpoint, output and segment, flags; the lower halves of all counts, and the upper ones of those that may be wide.
+const WORDS: usize = 5 + MAX_CHANNELS / 2 + WIDE_CHANNELS / 2;
 
 type Slot = [AtomicU32; WORDS];
 
@@ -142,15 +143,27 @@ fn unpair(word: u32) -> [i16; 2] {
     [word as u16 as i16, (word >> 16) as u16 as i16]
 }
 
+/// A count that is sent in 16 bits.
+fn narrow(count: i32) -> i16 {
+    count.max(i16::MIN.into()).min(i16::MAX.into()) as i16
+}
+
+/// A count of which both halves are kept.
+fn whole(low: i16, high: i16) -> i32 {
+    pair(low, high) as i32
+}
+
 fn pack(sample: &Sample) -> [u32; WORDS] {
     let [a, b, c, d, e, f, g, h] = sample.counts;
     [
         sample.tick,
         sample.seq,
-        pair(a, b),
-        pair(c, d),
-        pair(e, f),
-        pair(g, h),
+        pair(a as i16, b as i16),
+        pair(c as i16, d as i16),
+        pair(narrow(e), narrow(f)),
+        pair(narrow(g), narrow(h)),
+        pair((a >> 16) as i16, (b >> 16) as i16),
+        pair((c >> 16) as i16, (d >> 16) as i16),
         pair(sample.output_count, sample.segment as i16),
         sample.setpoint_micro as u32,
         u32::from(sample.flags.0),
@@ -158,14 +171,24 @@ fn pack(sample: &Sample) -> [u32; WORDS] {
 }
 
 fn unpack(slot: &Slot) -> Sample {
-    let [tick, seq, ab, cd, ef, gh, output, setpoint, flags] =
+    let [tick, seq, ab, cd, ef, gh, ab_high, cd_high, output, setpoint, flags] =
         slot.each_ref().map(|word| word.load(Ordering::Relaxed));
     let ([a, b], [c, d], [e, f], [g, h]) = (unpair(ab), unpair(cd), unpair(ef), unpair(gh));
+    let ([a_high, b_high], [c_high, d_high]) = (unpair(ab_high), unpair(cd_high));
     let [output_count, segment] = unpair(output);
     Sample {
         tick,
         seq,
-        counts: [a, b, c, d, e, f, g, h],
+        counts: [
+            whole(a, a_high),
+            whole(b, b_high),
+            whole(c, c_high),
+            whole(d, d_high),
+            e.into(),
+            f.into(),
+            g.into(),
+            h.into(),
+        ],
         output_count,
         setpoint_micro: setpoint as i32,
         segment: segment as u16,

@@ -8,7 +8,7 @@ fn sample(seq: u32) -> Sample {
     Sample {
         tick: seq.wrapping_mul(3),
         seq,
-        counts: [1, -1, i16::MAX, i16::MIN, 5, -6, 7, seq as i16],
+        counts: [i32::MAX, i32::MIN, -65_537, seq as i32, 5, i16::MIN.into(), i16::MAX.into(), -1],
         output_count: -7,
         setpoint_micro: -1_000_000,
         segment: u16::MAX,

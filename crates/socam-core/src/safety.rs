@@ -2,7 +2,9 @@
 
 use core::fmt;
 
-use crate::config::{Channel, ChannelKind, Config, MAX_CHANNELS};
+use crate::config::{Channel, ChannelKind, Config};
+use crate::layout::MAX_CHANNELS;
+use crate::motor_check::MotorCheck;
 use crate::{Fault, conversions_per_sample, fixed};
 
 /// State of the board. The output is live in `Running` and `Stopping` and nowhere else.
@@ -67,7 +69,7 @@ impl fmt::Display for State {
 const DISAGREE_FROM_CHANNELS: usize = 4;
 
 /// ... unless at rest: a hundredth of the converter's range.
-const AT_REST_COUNT: u16 = 328;
+const AT_REST_COUNT: u32 = 328;
 
 /// Fewest equal codes in a row that are a stuck channel. Noise of standard deviation s repeats a code with a probability of at most
 /// p = P(|x| < 1/2): where the signal rests in the middle of a code. The converter alone has s = 0.58 codes (ADS8688: 92 dB of
@@ -83,12 +85,13 @@ const FEWEST_MEANS: u32 = 1000;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Watch {
     channels: [ChannelWatch; MAX_CHANNELS],
+    motor: MotorCheck,
 }
 
 /// Consecutive samples of one channel with each symptom.
 #[derive(Debug, Clone, Copy, Default)]
 struct ChannelWatch {
-    last_count: i16,
+    last_count: i32,
     over_limit: u8,
     saturated: u8,
     repeated: u32,
@@ -109,10 +112,7 @@ struct StuckAfter {
 
 impl Watch {
     pub(crate) fn new(config: &Config) -> Self {
-        let samples = |time_us: u32| {
-            let samples = fixed::samples_in(u64::from(time_us), config.sample_period_us);
-            u32::try_from(samples).unwrap_or(u32::MAX).max(1)
-        };
+        let samples = |time_us: u32| fixed::whole_samples(time_us, config.sample_period_us);
         let per_sample = conversions_per_sample(config.sample_period_us);
         let code_us = config.sample_period_us.checked_div(per_sample).unwrap_or(1).max(1);
         let channels = config.channels.map(|channel| ChannelWatch {
@@ -124,7 +124,7 @@ impl Watch {
             missing_after: samples(config.missing_after_us),
             ..ChannelWatch::default()
         });
-        Self { channels }
+        Self { channels, motor: MotorCheck::new(config) }
     }
 
     /// Checks one set of readings, taken while `output_uv` was commanded, and returns the first fault found. A converter that repeats
@@ -132,7 +132,7 @@ impl Watch {
     pub(crate) fn check(
         &mut self,
         config: &Config,
-        counts: &[i16; MAX_CHANNELS],
+        counts: &[i32; MAX_CHANNELS],
         output_uv: i32,
         mut repeated_codes: impl FnMut(u8) -> Option<u32>,
     ) -> Option<Fault> {
@@ -149,34 +149,39 @@ impl Watch {
             watch.last_count = count;
             fault = fault.or(found);
         }
-        fault
+        fault.or_else(|| self.motor.check(config, |index| config.value_micro(index, counts)))
     }
 }
 
 /// A fault if every channel reads the same count.
-fn repeated(counts: &[i16]) -> Option<Fault> {
+fn repeated(counts: &[i32]) -> Option<Fault> {
     let &count = counts.first()?;
     let is_one = counts.len() >= DISAGREE_FROM_CHANNELS && counts.iter().all(|other| *other == count);
     (is_one && count.unsigned_abs() >= AT_REST_COUNT).then_some(Fault::ConverterStuck { count })
 }
 
 impl ChannelWatch {
-    fn saturation(&mut self, config: &Config, channel: &Channel, index: u8, count: i16) -> Option<Fault> {
+    fn saturation(&mut self, config: &Config, channel: &Channel, index: u8, count: i32) -> Option<Fault> {
         let rail = channel.saturation_count?;
         let at_rail = count.unsigned_abs() >= rail.unsigned_abs();
         self.saturated = if at_rail { self.saturated.saturating_add(1) } else { 0 };
         (self.saturated >= config.confirm_samples).then_some(Fault::SensorSaturated { channel: index, count })
     }
 
-    fn limit(&mut self, config: &Config, channel: &Channel, index: u8, count: i16) -> Option<Fault> {
+    fn limit(&mut self, config: &Config, channel: &Channel, index: u8, count: i32) -> Option<Fault> {
         let limit_micro = channel.limit_micro?;
         let value_micro = channel.scale.value_micro(count);
         let over = value_micro.unsigned_abs() > limit_micro.unsigned_abs();
         self.over_limit = if over { self.over_limit.saturating_add(1) } else { 0 };
         (self.over_limit >= config.confirm_samples).then_some(match channel.kind {
-            ChannelKind::Speed => Fault::OverSpeed { channel: index, value_micro, limit_micro },
+            ChannelKind::Speed | ChannelKind::EncoderSpeed => {
+                Fault::OverSpeed { channel: index, value_micro, limit_micro }
+            }
             ChannelKind::Torque => Fault::OverTorque { channel: index, value_micro, limit_micro },
-            ChannelKind::Other => Fault::OverLimit { channel: index, value_micro, limit_micro },
+            ChannelKind::Current => Fault::OverCurrent { channel: index, value_micro, limit_micro },
+            ChannelKind::Other | ChannelKind::EncoderAngle => {
+                Fault::OverLimit { channel: index, value_micro, limit_micro }
+            }
         })
     }
 
@@ -185,7 +190,7 @@ impl ChannelWatch {
         &mut self,
         config: &Config,
         index: u8,
-        count: i16,
+        count: i32,
         moves: bool,
         codes: Option<u32>,
     ) -> Option<Fault> {
@@ -203,7 +208,7 @@ impl ChannelWatch {
         &mut self,
         channel: &Channel,
         index: u8,
-        count: i16,
+        count: i32,
         moved_by_uv: Option<i32>,
     ) -> Option<Fault> {
         let below_micro = channel.missing_below_micro?;

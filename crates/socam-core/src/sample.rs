@@ -14,8 +14,8 @@ pub struct Sample {
     pub tick: u32,
     /// Counts samples since streaming was switched on, without gaps: a gap at the receiver is a loss on the way.
     pub seq: u32,
-    /// Converter readings; the entries past the configured number of channels are 0.
-    pub counts: [i16; MAX_CHANNELS],
+    /// Readings of converters and encoders; the entries past the configured number of channels are 0.
+    pub counts: [i32; MAX_CHANNELS],
     /// Count written to the output at this tick.
     pub output_count: i16,
     /// The profile's setpoint, in a millionth of V or rad/s.
@@ -38,6 +38,8 @@ impl Flags {
     pub const LIMITED: u8 = 0x10;
     /// One or more ticks were missed just before this sample.
     pub const OVERRUN: u8 = 0x20;
+    /// The first and the second digital input were high at, or since, the sample before.
+    pub const INPUTS: [u8; 2] = [0x08, 0x80];
     /// The converter did not answer: `counts` are not measurements.
     pub const NO_READING: u8 = 0x40;
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use loom::thread;
-use socam_core::{Flags, MAX_CHANNELS, Sample};
+use socam_core::{Flags, MAX_CHANNELS, Sample, WIDE_CHANNELS};
 
 mod atomic {
     use std::sync::OnceLock;
@@ -58,7 +58,7 @@ fn sample(seq: u32) -> Sample {
     Sample {
         tick: seq + 100,
         seq,
-        counts: [count; MAX_CHANNELS],
+        counts: [count.into(); MAX_CHANNELS],
         output_count: count,
         setpoint_micro: -i32::from(count),
         segment: count as u16,

@@ -1,6 +1,6 @@
 //! The board's end of the link.
 
-use socam_core::{Consumer, Refusal, Request, Status};
+use socam_core::{Consumer, Layout, Refusal, Request, Status};
 
 use crate::decoder::LinkCounts;
 use crate::{BoardStatus, Decoder, Encoder, Identity, LinkError, MAX_FRAME, SampleBatch, ToBoard, ToHost};
@@ -69,13 +69,13 @@ impl<'r, const N: usize> BoardLink<'r, N> {
         handle(request)
     }
 
-    /// Writes a frame of samples to `out` if at least `at_least` wait, and returns its length. `channels` is
-    /// [`socam_core::Config::channel_count`]. Call it until `None`; with `at_least` = 1 no sample is left.
-    pub fn samples(&mut self, channels: u8, at_least: usize, out: &mut [u8; MAX_FRAME]) -> Option<usize> {
+    /// Writes a frame of samples to `out` if at least `at_least` wait, and returns its length. `layout` is
+    /// that of [`socam_core::Config::layout`]. Call it until `None`; with `at_least` = 1 no sample is left.
+    pub fn samples(&mut self, layout: Layout, at_least: usize, out: &mut [u8; MAX_FRAME]) -> Option<usize> {
         if self.samples.len() < at_least {
             return None;
         }
-        let mut batch = SampleBatch::new(&self.samples.pop()?, channels);
+        let mut batch = SampleBatch::new(&self.samples.pop()?, layout);
         while let Some(sample) = self.samples.peek() {
             if batch.push(&sample).is_err() {
                 break;

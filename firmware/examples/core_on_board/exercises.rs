@@ -2,12 +2,12 @@
 
 use socam_core::scaling::{self, Converter, MotorCalibration, Sensor};
 use socam_core::{
-    Average, Board, Command, Config, ConverterSilent, Generator, Lines, MAX_CHANNELS, Ports, Profile,
+    Average, Board, Command, Config, ConverterSilent, Generator, Layout, Lines, MAX_CHANNELS, Ports, Profile,
     Request, Ring, Sample, Shape,
 };
 use socam_wire::{
-    BoardLink, Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, Start, Text, ToBoard,
-    ToHost,
+    BoardKind, BoardLink, Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, Start,
+    Text, ToBoard, ToHost,
 };
 
 /// Runs all exercises; each gives its name and a hash of its results.
@@ -156,7 +156,7 @@ fn averages() -> u64 {
     for period_us in [100, 200, 1000, 20_000] {
         let mut average = Average::new(period_us, MAX_CHANNELS as u8);
         for _ in 0..400 {
-            if average.push(&core::array::from_fn(|_| counts.next())) {
+            if average.push(&core::array::from_fn(|_| counts.next().into())) {
                 average.sample().iter().for_each(|count| digest.integer(i64::from(*count)));
             }
         }
@@ -178,12 +178,12 @@ impl Ports for Motor {
         self.now_us
     }
 
-    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
+    fn read(&mut self, counts: &mut [i32]) -> Result<(), ConverterSilent> {
         let driven_urad_s = if self.enabled { i64::from(self.output) * 23_000 } else { 0 };
         self.speed_urad_s += (driven_urad_s - self.speed_urad_s) / 50;
-        let tachometer = (self.speed_urad_s / 4632) as i16;
+        let tachometer = (self.speed_urad_s / 4632) as i32;
         for (count, share) in counts.iter_mut().zip([1000, 350, 20, 60]) {
-            *count = (i32::from(tachometer) * share / 1000) as i16 + self.noise.next() / 4096;
+            *count = tachometer * share / 1000 + i32::from(self.noise.next() / 4096);
         }
         Ok(())
     }
@@ -244,7 +244,12 @@ fn messages() -> u64 {
     let (mut digest, mut counts) = (Digest::new(), Counts(3));
     let mut ring = Ring::<64>::new();
     let (mut producer, samples) = ring.split();
-    let front_end = FrontEnd { input_full_scale_uv: 1, output_full_scale_uv: 2, channel_step_ns: 3 };
+    let front_end = FrontEnd {
+        kind: BoardKind::Analog,
+        input_full_scale_uv: 1,
+        output_full_scale_uv: 2,
+        channel_step_ns: 3,
+    };
     let identity = Identity {
         board: Text::new("board"),
         firmware: Text::new("firmware"),
@@ -257,11 +262,11 @@ fn messages() -> u64 {
     let mut frame = [0; MAX_FRAME];
     for number in 0..40 {
         for at in 0..20 {
-            let counts = core::array::from_fn(|_| counts.next());
+            let counts = core::array::from_fn(|_| counts.next().into());
             let tick = number * 20 + at;
             producer.push(&Sample { tick, seq: tick, counts, ..Sample::default() });
         }
-        let len = link.samples(4, 1, &mut frame).expect("samples wait");
+        let len = link.samples(Layout::narrow(4), 1, &mut frame).expect("samples wait");
         if number % 7 == 3 {
             frame[len / 2] ^= 0x10;
         }

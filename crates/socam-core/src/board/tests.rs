@@ -14,7 +14,7 @@ impl Ports for Still {
         self.now_us
     }
 
-    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
+    fn read(&mut self, counts: &mut [i32]) -> Result<(), ConverterSilent> {
         counts.fill(0);
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::MAX_CHANNELS;
+use super::{MAX_CHANNELS, WIDE_CHANNELS};
 use crate::fault::Milli;
 
 /// Why a configuration was refused.
@@ -13,7 +13,8 @@ pub enum ConfigError {
     SamplePeriod(u32),
     /// More channels than a board has, or none.
     ChannelCount(u8),
-    /// A scale, limit or gain is zero, negative or beyond what the integers hold: this channel.
+    /// A scale, limit or gain is zero, negative or beyond what the integers hold, or an encoder's channel is not among the first ones: this
+    /// channel.
     Channel(u8),
     /// The output's scale or clamp is not positive, or the clamp exceeds the converter.
     Output,
@@ -23,6 +24,8 @@ pub enum ConfigError {
     HostTimeout(u32),
     /// `confirm_samples` is 0, or `moving_uv` is negative.
     Watch,
+    /// The motor's winding or its channels are not positive or do not exist.
+    Motor,
     /// No channel has anything that would end a run.
     NoLimits,
     /// The clamp exceeds what this board puts out.
@@ -45,7 +48,7 @@ impl fmt::Display for ConfigError {
             Self::SamplePeriod(us) => write!(f, "sample period is {us} us; it must be 50 us to 1 s"),
             Self::ChannelCount(n) => write!(f, "{n} channels; there must be 1 to {MAX_CHANNELS}"),
             Self::Channel(i) => {
-                write!(f, "channel {i}: its scale is 0 or too large, or a limit is not positive")
+                write!(f, "channel {i}: its scale is 0 or too large, a limit is not positive, or it is an encoder's and not one of the first {WIDE_CHANNELS}")
             }
             Self::Output => {
                 f.write_str("the output's scale or clamp is not positive, or the clamp exceeds the converter")
@@ -55,6 +58,9 @@ impl fmt::Display for ConfigError {
             ),
             Self::HostTimeout(us) => write!(f, "host timeout is {us} us; it must be 10 ms to 10 s"),
             Self::Watch => f.write_str("confirm_samples must be at least 1 and moving_uv at least 0"),
+            Self::Motor => f.write_str(
+                "the motor's resistance, back-EMF and times must be positive, and its speed, current, voltage and supply channels must exist",
+            ),
             Self::NoLimits => f.write_str(
                 "no channel has a limit, a rail or a test of its sensor, so nothing would stop the bench: give one channel a `limit`",
             ),

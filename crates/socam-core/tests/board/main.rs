@@ -1,6 +1,7 @@
 //! The board on hardware with every failure that the ports allow.
 
 mod bench;
+mod motor;
 
 use bench::{Bench, RING, attended, bench, constant, running, ticks};
 use proptest::prelude::*;
@@ -67,7 +68,11 @@ fn each_fault_cuts_the_output_at_the_next_tick_and_is_named() {
         (|b| b.ports_mut().output_silent = true, 1, "the output converter does not answer"),
         (|b| b.ports_mut().forced[0] = Some(32_400), 1, "over-speed: motor_speed is 150.06"),
         (|b| b.ports_mut().forced[3] = Some(-31_500), 1, "over-torque: torque_out is -38.45"),
-        (|b| b.ports_mut().forced[2] = Some(i16::MIN), 1, "torque_in is saturated: it reads -32768 counts"),
+        (
+            |b| b.ports_mut().forced[2] = Some(i16::MIN.into()),
+            1,
+            "torque_in is saturated: it reads -32768 counts",
+        ),
         (|b| b.ports_mut().forced = [Some(12_000); MAX_CHANNELS], 1, "all inputs read the same 12000 counts"),
         (|b| b.ports_mut().forced[2] = Some(77), 1001, "torque_in is stuck: it read 77 counts for 1000 ms"),
         (|b| b.ports_mut().codes = Some(100), 1, "torque_in is stuck: it read "),
@@ -226,7 +231,7 @@ enum Event {
     Converter(bool),
     Output(bool),
     StopInput(bool),
-    Force(usize, Option<i16>),
+    Force(usize, Option<i32>),
 }
 
 fn any_event() -> impl Strategy<Value = Event> {
@@ -260,7 +265,7 @@ fn any_event() -> impl Strategy<Value = Event> {
         1 => any::<bool>().prop_map(Event::Converter),
         1 => any::<bool>().prop_map(Event::Output),
         1 => any::<bool>().prop_map(Event::StopInput),
-        2 => (0..MAX_CHANNELS, any::<Option<i16>>()).prop_map(|(c, v)| Event::Force(c, v)),
+        2 => (0..MAX_CHANNELS, any::<Option<i16>>().prop_map(|v| v.map(i32::from))).prop_map(|(c, v)| Event::Force(c, v)),
     ]
 }
 

@@ -7,8 +7,8 @@ mod noisy;
 use common::{decode, frame, identity, numbered};
 use proptest::prelude::*;
 use socam_core::{
-    Board, Command, Config, ConfigError, ConverterSilent, Fault, Flags, Lines, Ports, Profile, ProfileError,
-    Refusal, Request, Ring, Sample, Shape, State,
+    Board, Command, Config, ConfigError, ConverterSilent, Fault, Flags, Layout, Lines, Ports, Profile,
+    ProfileError, Refusal, Request, Ring, Sample, Shape, State,
 };
 use socam_wire::{
     BATCH_SAMPLES, BoardLink, BoardStatus, Decoder, Encoder, LinkCounts, LinkError, MAX_FRAME,
@@ -82,7 +82,8 @@ fn the_bytes_of_every_kind_of_message_are_pinned() {
     let (mut producer, consumer) = ring.split();
     producer.push(&Sample { tick: 1, seq: 2, counts: [3; 8], setpoint_micro: -4, ..Sample::default() });
     let mut out = [0; MAX_FRAME];
-    let samples = BoardLink::new(identity(), consumer).samples(2, 1, &mut out).unwrap();
+    let samples =
+        BoardLink::new(identity(), consumer).samples(Layout::from_bits(2, 1).unwrap(), 1, &mut out).unwrap();
     let to_board = [
         ToBoard::Hello,
         ToBoard::Request { number: 1, request: Request::Configure(Config::default()) },
@@ -100,7 +101,7 @@ fn the_bytes_of_every_kind_of_message_are_pinned() {
     let hash = bytes
         .iter()
         .fold(0xcbf2_9ce4_8422_2325u64, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3));
-    assert_eq!((SCHEMA_VERSION, bytes.len(), hash), (5, 353, 10_421_736_398_510_775_652));
+    assert_eq!((SCHEMA_VERSION, bytes.len(), hash), (6, 358, 9_064_662_102_012_868_647));
 }
 
 #[test]
@@ -112,7 +113,7 @@ fn another_version_is_told_in_words_whatever_its_frames_look_like() {
     let items = decode(&mut decoder, &bytes);
     assert_eq!(items, [Err(LinkError::ForeignVersion { theirs: foreign }), Ok(ToHost::Hello(identity()))]);
     let words = items[0].as_ref().unwrap_err().to_string();
-    assert!(words.contains("version 6 of the messages, this one speaks version 5"), "{words}");
+    assert!(words.contains("version 7 of the messages, this one speaks version 6"), "{words}");
 
     // A board answers a foreign host all the same: its frame shows its version.
     let mut ring = Ring::<4>::new();
@@ -147,7 +148,7 @@ fn a_restarted_peer_is_understood_again_even_if_its_first_frames_were_lost() {
 }
 
 fn any_sample() -> impl Strategy<Value = Sample> {
-    (any::<[i16; 8]>(), any::<i16>(), any::<i32>(), any::<u8>()).prop_map(
+    (any::<[i32; 8]>(), any::<i16>(), any::<i32>(), any::<u8>()).prop_map(
         |(counts, output_count, setpoint_micro, flags)| Sample {
             counts,
             output_count,
@@ -165,7 +166,7 @@ proptest! {
     #[test]
     fn samples_travel_in_batches_without_change(
         mut samples in prop::collection::vec((any_sample(), 0..40u32, 0..60u16), 1..200),
-        channels in 1..=8u8,
+        layout in (1..=8u8, any::<u8>()).prop_map(|(channels, wide)| Layout::from_bits(channels, wide & 0x0f & (0xff >> (8 - channels))).unwrap()),
     ) {
         let mut ring = Ring::<256>::new();
         let (mut producer, consumer) = ring.split();
@@ -174,14 +175,17 @@ proptest! {
             tick += 1 + tick_jump.saturating_sub(37);
             segment += segment_jump.saturating_sub(57);
             (sample.seq, sample.tick, sample.segment) = (seq, tick, segment);
-            sample.counts[usize::from(channels)..].fill(0);
+            sample.counts[usize::from(layout.channels())..].fill(0);
+            for (channel, count) in sample.counts.iter_mut().enumerate().filter(|(channel, _)| !layout.is_wide(*channel)) {
+                *count = if channel % 2 == 0 { *count >> 16 } else { (*count).clamp(-32_768, 32_767) };
+            }
             seq = seq.wrapping_add(1 + u32::from(*tick_jump == 39));
             producer.push(sample);
         }
         let mut link = BoardLink::new(identity(), consumer);
         let (mut decoder, mut out) = (Decoder::new(), [0; MAX_FRAME]);
         let (mut arrived, mut sizes) = (Vec::new(), Vec::new());
-        while let Some(len) = link.samples(channels, 1, &mut out) {
+        while let Some(len) = link.samples(layout, 1, &mut out) {
             let items = decode(&mut decoder, &out[..len]);
             let [Ok(ToHost::Samples(batch))] = items.as_slice() else { panic!("{items:?}") };
             sizes.push(batch.len());
@@ -201,7 +205,8 @@ fn ten_kilohertz_of_six_channels_fit_through_usb() {
     for seq in 0..32 {
         producer.push(&Sample { tick: seq, seq, counts: [-1; 8], setpoint_micro: -1, ..Sample::default() });
     }
-    let len = BoardLink::new(identity(), consumer).samples(6, 32, &mut [0; MAX_FRAME]).unwrap();
+    let len =
+        BoardLink::new(identity(), consumer).samples(Layout::narrow(6), 32, &mut [0; MAX_FRAME]).unwrap();
     assert!(len * 10_000 / 32 < 210_000, "{} bytes per second", len * 10_000 / 32);
 }
 
@@ -212,7 +217,7 @@ impl Ports for Still {
     fn now_us(&mut self) -> u64 {
         self.0
     }
-    fn read(&mut self, _: &mut [i16]) -> Result<(), ConverterSilent> {
+    fn read(&mut self, _: &mut [i32]) -> Result<(), ConverterSilent> {
         Ok(())
     }
     fn write(&mut self, _: i16) -> Result<(), ConverterSilent> {
@@ -251,10 +256,10 @@ fn a_host_talks_to_a_board() {
         board.ports_mut().0 += 1000;
         board.tick();
     }
-    let len = link.samples(board.config().channel_count, 1, &mut out).unwrap();
+    let len = link.samples(board.config().layout(), 1, &mut out).unwrap();
     let [Ok(ToHost::Samples(batch))] = decode(&mut decoder, &out[..len])[..] else { panic!() };
     assert_eq!(batch.samples().map(|s| s.seq).collect::<Vec<_>>(), [0, 1, 2]);
-    assert_eq!(link.samples(4, 1, &mut out), None);
+    assert_eq!(link.samples(Layout::narrow(4), 1, &mut out), None);
 
     let len = link.status(board.status(), &mut out).unwrap();
     let [Ok(ToHost::Status(status))] = decode(&mut decoder, &out[..len])[..] else { panic!() };

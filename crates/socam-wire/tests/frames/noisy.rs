@@ -1,7 +1,8 @@
 //! Ten minutes at 10 kHz over a link on which one byte in a thousand is damaged: what arrives is right, and the rest is counted.
 
 use socam_core::{
-    Board, Channel, Command, Config, ConverterSilent, Ports, Profile, Request, Ring, Sample, Shape, State,
+    Board, Channel, Command, Config, ConverterSilent, Layout, Ports, Profile, Request, Ring, Sample, Shape,
+    State,
 };
 use socam_wire::{BoardLink, Decoder, Encoder, LinkCounts, MAX_FRAME, ToHost};
 
@@ -15,8 +16,8 @@ const HEARTBEAT_EVERY: u32 = 1000;
 const DAMAGED: u64 = 1000;
 
 /// Reading of a channel at a tick: every sample differs from the one before and from its neighbours.
-fn reading(tick: u32, channel: u32) -> i16 {
-    ((tick.wrapping_mul(2_654_435_761) >> 13) ^ channel.wrapping_mul(0x5bd1)) as i16
+fn reading(tick: u32, channel: u32) -> i32 {
+    ((tick.wrapping_mul(2_654_435_761) >> 13) ^ channel.wrapping_mul(0x5bd1)) as i16 as i32
 }
 
 struct Known {
@@ -27,7 +28,7 @@ impl Ports for Known {
     fn now_us(&mut self) -> u64 {
         self.now_us
     }
-    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
+    fn read(&mut self, counts: &mut [i32]) -> Result<(), ConverterSilent> {
         let tick = (self.now_us / u64::from(PERIOD_US)) as u32;
         (0..).zip(counts).for_each(|(channel, count)| *count = reading(tick, channel));
         Ok(())
@@ -105,7 +106,7 @@ fn config() -> Config {
     // Readings here are no speeds; what may end the run is the converter's rail, which they do not reach twice.
     config.confirm_samples = 255;
     for channel in &mut config.channels {
-        *channel = Channel { saturation_count: Some(i16::MAX), kind: channel.kind, ..Channel::UNUSED };
+        *channel = Channel { saturation_count: Some(i16::MAX.into()), kind: channel.kind, ..Channel::UNUSED };
     }
     config
 }
@@ -151,7 +152,7 @@ fn ten_minutes_at_10_khz_over_a_bad_link_falsify_nothing() {
                 down.pass(&out[..len], &mut received);
             }
         }
-        while let Some(len) = link.samples(CHANNELS, 32, &mut out) {
+        while let Some(len) = link.samples(Layout::narrow(CHANNELS), 32, &mut out) {
             down.pass(&out[..len], &mut received);
         }
         let mut bytes = received.as_slice();
