@@ -15,6 +15,7 @@ use socam_core::{Fault, Refusal, Request};
 use socam_wire::{BATCH_SAMPLES, BoardLink, Image, MAX_FRAME};
 use static_cell::StaticCell;
 
+use crate::hardware::Count;
 use crate::sampling::{self, Answer, Ask, RING_SAMPLES, STATE_AND_FAULT};
 use crate::slot::{Filler, Taker};
 use crate::watchdog;
@@ -71,13 +72,13 @@ impl Core {
 
 /// Both ends of the link.
 struct Talk {
-    link: BoardLink<'static, RING_SAMPLES>,
+    link: BoardLink<'static, Count, RING_SAMPLES>,
     core: Core,
 }
 
 /// Serves the host for ever.
 #[embassy_executor::task]
-pub(crate) async fn run(driver: Usb, link: BoardLink<'static, RING_SAMPLES>, core: Core) {
+pub(crate) async fn run(driver: Usb, link: BoardLink<'static, Count, RING_SAMPLES>, core: Core) {
     static OUT: StaticCell<Outgoing> = StaticCell::new();
     let out = OUT.init(Pipe::new());
     let (mut device, line) = build(driver);

@@ -204,7 +204,7 @@ impl Sampler {
             self.keep_pace();
         }
         self.tell_mood();
-        let layout = self.board.config().layout();
+        let layout = self.board.layout();
         self.answers.put(Answer { result, status: self.board.status(), layout });
     }
 

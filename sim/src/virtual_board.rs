@@ -24,7 +24,7 @@ const STATUS_EVERY_US: u64 = 200_000;
 /// out.
 pub struct VirtualBoard<'b> {
     board: Board<'b, Wiring<'b>, RING_SAMPLES>,
-    link: BoardLink<'b, RING_SAMPLES>,
+    link: BoardLink<'b, i32, RING_SAMPLES>,
     next_tick_us: u64,
     sent_us: u64,
     status_us: u64,
@@ -38,7 +38,7 @@ impl VirtualBoard<'_> {
     /// [`SimError`] where the bench cannot be built.
     pub fn run<T>(setup: &Setup, serve: impl FnOnce(&mut VirtualBoard<'_>) -> T) -> Result<T, SimError> {
         let plants = setup.plants()?;
-        let mut ring = Ring::<RING_SAMPLES>::new();
+        let mut ring = Ring::<i32, RING_SAMPLES>::new();
         let (producer, consumer) = ring.split();
         let wiring = Wiring::start(setup, &plants)?;
         let identity = Identity {
@@ -111,7 +111,7 @@ impl VirtualBoard<'_> {
     fn send(&mut self, out: &mut Vec<u8>) {
         let mut frame = [0; MAX_FRAME];
         let now_us = self.now_us();
-        let layout = self.board.config().layout();
+        let layout = self.board.layout();
         let status = self.board.status();
         let changed = status.state != self.told;
         let waited = now_us - self.sent_us >= LATEST_SEND_US;

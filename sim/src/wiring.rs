@@ -43,6 +43,11 @@ impl<'b> Wiring<'b> {
 }
 
 impl Ports for Wiring<'_> {
+    /// Either kind of board.
+    type Count = i32;
+
+    const WATCHES_MOTOR: bool = true;
+
     fn now_us(&mut self) -> u64 {
         self.now_us
     }

@@ -101,16 +101,18 @@ fn columns(log: &str) -> Vec<Vec<f64>> {
 
 /// The bench's counts as they were recorded, for a core that runs on this machine.
 struct Replayed {
-    rows: std::vec::IntoIter<[i32; 4]>,
+    rows: std::vec::IntoIter<[i16; 4]>,
     now_us: u64,
     output: i16,
 }
 
 impl Ports for Replayed {
+    type Count = i16;
+
     fn now_us(&mut self) -> u64 {
         self.now_us
     }
-    fn read(&mut self, counts: &mut [i32]) -> Result<(), ConverterSilent> {
+    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
         counts.copy_from_slice(&self.rows.next().unwrap_or_default());
         Ok(())
     }
@@ -127,11 +129,11 @@ fn replay(profile: &str, columns: &[Vec<f64>]) -> Vec<i16> {
     let counts = |row: usize| {
         std::array::from_fn(|channel| {
             let volts = calibration.channels[channel].sensor.volts(columns[channel + 1][row]);
-            i32::from(calibration.input.count(volts))
+            calibration.input.count(volts)
         })
     };
-    let rows: Vec<[i32; 4]> = (0..columns[0].len()).map(counts).collect();
-    let mut ring = Ring::<4>::new();
+    let rows: Vec<[i16; 4]> = (0..columns[0].len()).map(counts).collect();
+    let mut ring = Ring::<i16, 4>::new();
     let (producer, mut samples) = ring.split();
     let mut board = Board::new(Replayed { rows: rows.into_iter(), now_us: 0, output: 0 }, producer);
     let profile = ProfileFile::open(profile).unwrap().profile(1000).unwrap();

@@ -4,7 +4,8 @@ mod requests;
 
 use crate::config::Config;
 use crate::fixed;
-use crate::layout::MAX_CHANNELS;
+use crate::layout::{Layout, MAX_CHANNELS};
+use crate::motor_check::MotorCheck;
 use crate::ports::{ConverterSilent, Ports};
 use crate::profile::{Command, Generator, Profile, Setpoint};
 use crate::ring::Producer;
@@ -13,7 +14,7 @@ use crate::schedule::Schedule;
 use crate::sealed::Sealed;
 use crate::status::Status;
 use crate::velocity::SpeedLoop;
-use crate::{Fault, Flags, Sample};
+use crate::{Count, Fault, Flags, Sample};
 
 /// A board with hardware `P` and a ring of `N` samples to its sender.
 ///
@@ -21,14 +22,15 @@ use crate::{Fault, Flags, Sample};
 /// host's requests. Both need exclusive access for microseconds only. After a granted [`Request::Configure`](crate::Request::Configure) the caller sets its timer
 /// to the new [`Config::sample_period_us`].
 #[derive(Debug)]
-pub struct Board<'r, P, const N: usize> {
+pub struct Board<'r, P: Ports, const N: usize> {
     ports: P,
-    samples: Producer<'r, N>,
+    samples: Producer<'r, P::Count, N>,
     config: Sealed<Config>,
     state: Sealed<State>,
     fault: Option<Fault>,
     schedule: Schedule,
-    watch: Watch,
+    watch: Watch<P::Count>,
+    motor: MotorCheck,
     loaded: Sealed<Option<Profile>>,
     generator: Option<Generator>,
     /// The next setpoint, where [`prepare`](Self::prepare) has computed it.
@@ -50,7 +52,7 @@ pub struct Board<'r, P, const N: usize> {
 
 impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
     /// A board that is idle, at 0 V and disabled, with the default bench's configuration.
-    pub fn new(mut ports: P, samples: Producer<'r, N>) -> Self {
+    pub fn new(mut ports: P, samples: Producer<'r, P::Count, N>) -> Self {
         let config = Config::default();
         ports.enable(false);
         // If the output does not answer now, the first tick latches the fault.
@@ -63,6 +65,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             fault: None,
             schedule: Schedule::new(config.sample_period_us),
             watch: Watch::new(&config),
+            motor: MotorCheck::default(),
             loaded: Sealed::new(None),
             generator: None,
             ahead: None,
@@ -95,11 +98,11 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             self.cut(Fault::Corrupted);
         }
 
-        let mut counts = [0; MAX_CHANNELS];
+        let mut counts = [P::Count::default(); MAX_CHANNELS];
         let used = counts.get_mut(..usize::from(self.config().channel_count)).unwrap_or_default();
         let read = self.ports.read(used);
         if read.is_err() {
-            counts = [0; MAX_CHANNELS];
+            counts = [P::Count::default(); MAX_CHANNELS];
         }
 
         let cause = match read {
@@ -165,6 +168,12 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         self.config.get()
     }
 
+    /// Number and widths of a sample's channels.
+    pub fn layout(&self) -> Layout {
+        let config = self.config();
+        if P::Count::MAY_BE_WIDE { config.layout() } else { Layout::narrow(config.channel_count) }
+    }
+
     fn state(&self) -> State {
         *self.state.get()
     }
@@ -186,7 +195,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
     }
 
     /// The reason to cut the output now, if there is one.
-    fn cause(&mut self, now_us: u64, counts: &[i32; MAX_CHANNELS]) -> Option<Fault> {
+    fn cause(&mut self, now_us: u64, counts: &[P::Count; MAX_CHANNELS]) -> Option<Fault> {
         if !self.state().is_watched() {
             return None;
         }
@@ -204,8 +213,12 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         if self.state().is_live() && now_us.saturating_sub(self.began_us) > limit_us {
             return Some(Fault::RunTooLong { limit_us });
         }
-        let ports = &mut self.ports;
-        self.watch.check(self.config.get(), counts, self.output_uv, |channel| ports.repeated(channel))
+        let (ports, config) = (&mut self.ports, self.config.get());
+        let found = self.watch.check(config, counts, self.output_uv, |channel| ports.repeated(channel));
+        if P::WATCHES_MOTOR && found.is_none() {
+            return self.motor.check(config, counts);
+        }
+        found
     }
 
     /// Enters the fault state; the first cause stays. The caller drives the output afterwards.
@@ -236,7 +249,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
     }
 
     /// Converts the setpoint to the output voltage; returns whether the clamp changed it.
-    fn command(&mut self, setpoint: &Setpoint, counts: &[i32; MAX_CHANNELS]) -> bool {
+    fn command(&mut self, setpoint: &Setpoint, counts: &[P::Count; MAX_CHANNELS]) -> bool {
         if !self.state().is_live() {
             self.output_uv = 0;
             return false;
@@ -248,9 +261,9 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             Command::Voltage => setpoint.value_micro,
             Command::SpeedOpenLoop => config.speed.motor.voltage_uv(setpoint.value_micro),
             Command::SpeedClosedLoop => {
-                let measured = counts.get(usize::from(config.speed.tachometer)).copied().unwrap_or(0);
+                let measured = counts.get(usize::from(config.speed.tachometer)).copied().unwrap_or_default();
                 let measured_urad_s =
-                    config.tachometer().map_or(0, |channel| channel.scale.value_micro(measured));
+                    config.tachometer().map_or(0, |channel| channel.scale.value_micro(measured.into()));
                 self.speed_loop.step(&config.speed, setpoint.value_micro, measured_urad_s, clamp_uv)
             }
         };

@@ -3,11 +3,10 @@
 /// Most converter channels that a board can sample.
 pub const MAX_CHANNELS: usize = 8;
 
-/// Number of the first channels that may be wide (32 bits): room for more would cost every board memory.
-pub const WIDE_CHANNELS: usize = 4;
-
 /// Number and widths of a sample's channels: 16 bits for a converter's count, 32 for an encoder's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(into = "[u8; 2]", try_from = "[u8; 2]"))]
 pub struct Layout {
     channels: u8,
     /// Bit n: channel n is wide.
@@ -30,21 +29,9 @@ impl Layout {
         Self { channels: channels.clamp(1, MAX_CHANNELS as u8), wide: 0 }
     }
 
-    /// The layout of this number of channels and these bits, if a board can have it.
-    pub fn from_bits(channels: u8, wide: u8) -> Option<Self> {
-        let is_within = (1..=MAX_CHANNELS).contains(&usize::from(channels));
-        let beyond = wide.checked_shr(channels.into()).unwrap_or(0);
-        (is_within && beyond == 0).then_some(Self { channels, wide })
-    }
-
     /// Number of channels.
     pub fn channels(self) -> u8 {
         self.channels
-    }
-
-    /// Bit n: channel n is wide.
-    pub fn wide_bits(self) -> u8 {
-        self.wide
     }
 
     /// Whether a channel is wide.
@@ -55,5 +42,25 @@ impl Layout {
     /// Bytes of a sample's counts.
     pub fn bytes(self) -> usize {
         2usize.saturating_mul(usize::from(self.channels).saturating_add(self.wide.count_ones() as usize))
+    }
+}
+
+impl From<Layout> for [u8; 2] {
+    fn from(layout: Layout) -> Self {
+        [layout.channels, layout.wide]
+    }
+}
+
+/// The number of channels, and bits as above.
+impl TryFrom<[u8; 2]> for Layout {
+    type Error = &'static str;
+
+    fn try_from([channels, wide]: [u8; 2]) -> Result<Self, Self::Error> {
+        let is_within = (1..=MAX_CHANNELS).contains(&usize::from(channels));
+        let beyond = wide.checked_shr(channels.into()).unwrap_or(0);
+        if !is_within || beyond != 0 {
+            return Err("a batch has 1 to 8 channels, and none of those that it lacks is wide");
+        }
+        Ok(Self { channels, wide })
     }
 }

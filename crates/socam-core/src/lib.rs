@@ -13,7 +13,9 @@
 //!
 //! [`Profile`] (what to command) becomes a [`Generator`] (sample by sample); [`Config`] says how counts become SI and
 //! what is watched; [`Board`] puts both behind [`Ports`] (the hardware) and the safety states of [`State`];
-//! [`encoder::Encoder`] turns the count of a shaft into position and speed; a [`Ring`] carries each [`Sample`] from the sampling interrupt to the sender.
+//! [`encoder::Encoder`] turns the
+//! count of a shaft into position and speed; a [`Ring`] carries each [`Sample`] from the sampling interrupt to the sender. [`Count`]
+//! is what a board's channels are counted in: what only a board with encoders needs costs no other board memory or time.
 #![no_std]
 #![cfg_attr(
     not(test),
@@ -37,6 +39,7 @@ mod board;
 pub mod bridge;
 mod ceilings;
 mod config;
+mod count;
 pub mod encoder;
 mod fault;
 mod fixed;
@@ -62,14 +65,15 @@ pub use average::{Average, conversions_per_sample};
 pub use board::Board;
 pub use ceilings::Ceilings;
 pub use config::{Channel, ChannelKind, Config, ConfigError, Output, SpeedControl};
+pub use count::Count;
 pub use fault::Fault;
 pub use kind::{BoardKind, GearmotorChannel};
-pub use layout::{Layout, MAX_CHANNELS, WIDE_CHANNELS};
+pub use layout::{Layout, MAX_CHANNELS};
 pub use motor_watch::MotorWatch;
 pub use ports::{ConverterSilent, Ports};
 pub use profile::{Command, Generator, Lines, MAX_LINES, Profile, ProfileError, ProfileKey, Setpoint, Shape};
 pub use request::{Refusal, Request};
-pub use ring::{Consumer, Producer, Ring};
+pub use ring::{Consumer, Producer, Ring, Stored};
 pub use safety::State;
 pub use sample::{Flags, Sample};
 pub use scaling::{MotorLine, Scale};

@@ -2,7 +2,7 @@
 //! encoder says.
 
 use crate::config::Config;
-use crate::{Fault, fixed};
+use crate::{Count, Fault, MAX_CHANNELS, fixed};
 
 /// Consecutive samples of each contradiction.
 #[derive(Debug, Clone, Copy, Default)]
@@ -28,8 +28,9 @@ impl MotorCheck {
         Self { after_samples: fixed::whole_samples(after_us, config.sample_period_us), ..Self::default() }
     }
 
-    /// Checks a sample, whose channels `value_micro` gives; returns the fault found.
-    pub(crate) fn check(&mut self, config: &Config, value_micro: impl Fn(u8) -> i32) -> Option<Fault> {
+    /// Checks one set of readings; returns the fault found.
+    pub(crate) fn check<C: Count>(&mut self, config: &Config, counts: &[C; MAX_CHANNELS]) -> Option<Fault> {
+        let value_micro = |channel| config.value_micro(channel, counts);
         let motor = config.motor.as_ref()?;
         let supply_uv = value_micro(motor.supply);
         self.low = if supply_uv < motor.lowest_supply_uv { self.low.saturating_add(1) } else { 0 };

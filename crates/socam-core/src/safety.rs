@@ -4,8 +4,7 @@ use core::fmt;
 
 use crate::config::{Channel, ChannelKind, Config};
 use crate::layout::MAX_CHANNELS;
-use crate::motor_check::MotorCheck;
-use crate::{Fault, conversions_per_sample, fixed};
+use crate::{Count, Fault, conversions_per_sample, fixed};
 
 /// State of the board. The output is live in `Running` and `Stopping` and nowhere else.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -83,15 +82,14 @@ const FEWEST_MEANS: u32 = 1000;
 
 /// Watches the channels against their limits, sample by sample.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Watch {
-    channels: [ChannelWatch; MAX_CHANNELS],
-    motor: MotorCheck,
+pub(crate) struct Watch<C> {
+    channels: [ChannelWatch<C>; MAX_CHANNELS],
 }
 
 /// Consecutive samples of one channel with each symptom.
 #[derive(Debug, Clone, Copy, Default)]
-struct ChannelWatch {
-    last_count: i32,
+struct ChannelWatch<C> {
+    last_count: C,
     over_limit: u8,
     saturated: u8,
     repeated: u32,
@@ -110,7 +108,7 @@ struct StuckAfter {
     code_us: u32,
 }
 
-impl Watch {
+impl<C: Count> Watch<C> {
     pub(crate) fn new(config: &Config) -> Self {
         let samples = |time_us: u32| fixed::whole_samples(time_us, config.sample_period_us);
         let per_sample = conversions_per_sample(config.sample_period_us);
@@ -124,7 +122,7 @@ impl Watch {
             missing_after: samples(config.missing_after_us),
             ..ChannelWatch::default()
         });
-        Self { channels, motor: MotorCheck::new(config) }
+        Self { channels }
     }
 
     /// Checks one set of readings, taken while `output_uv` was commanded, and returns the first fault found. A converter that repeats
@@ -132,7 +130,7 @@ impl Watch {
     pub(crate) fn check(
         &mut self,
         config: &Config,
-        counts: &[i32; MAX_CHANNELS],
+        counts: &[C; MAX_CHANNELS],
         output_uv: i32,
         mut repeated_codes: impl FnMut(u8) -> Option<u32>,
     ) -> Option<Fault> {
@@ -149,28 +147,30 @@ impl Watch {
             watch.last_count = count;
             fault = fault.or(found);
         }
-        fault.or_else(|| self.motor.check(config, |index| config.value_micro(index, counts)))
+        fault
     }
 }
 
 /// A fault if every channel reads the same count.
-fn repeated(counts: &[i32]) -> Option<Fault> {
-    let &count = counts.first()?;
-    let is_one = counts.len() >= DISAGREE_FROM_CHANNELS && counts.iter().all(|other| *other == count);
+fn repeated<C: Count>(counts: &[C]) -> Option<Fault> {
+    let &first = counts.first()?;
+    let is_one = counts.len() >= DISAGREE_FROM_CHANNELS && counts.iter().all(|other| *other == first);
+    let count: i32 = first.into();
     (is_one && count.unsigned_abs() >= AT_REST_COUNT).then_some(Fault::ConverterStuck { count })
 }
 
-impl ChannelWatch {
-    fn saturation(&mut self, config: &Config, channel: &Channel, index: u8, count: i32) -> Option<Fault> {
+impl<C: Count> ChannelWatch<C> {
+    fn saturation(&mut self, config: &Config, channel: &Channel, index: u8, count: C) -> Option<Fault> {
         let rail = channel.saturation_count?;
-        let at_rail = count.unsigned_abs() >= rail.unsigned_abs();
+        let count = count.into();
+        let at_rail = count.unsigned_abs() >= rail.unsigned_abs().into();
         self.saturated = if at_rail { self.saturated.saturating_add(1) } else { 0 };
         (self.saturated >= config.confirm_samples).then_some(Fault::SensorSaturated { channel: index, count })
     }
 
-    fn limit(&mut self, config: &Config, channel: &Channel, index: u8, count: i32) -> Option<Fault> {
+    fn limit(&mut self, config: &Config, channel: &Channel, index: u8, count: C) -> Option<Fault> {
         let limit_micro = channel.limit_micro?;
-        let value_micro = channel.scale.value_micro(count);
+        let value_micro = channel.scale.value_micro(count.into());
         let over = value_micro.unsigned_abs() > limit_micro.unsigned_abs();
         self.over_limit = if over { self.over_limit.saturating_add(1) } else { 0 };
         (self.over_limit >= config.confirm_samples).then_some(match channel.kind {
@@ -190,7 +190,7 @@ impl ChannelWatch {
         &mut self,
         config: &Config,
         index: u8,
-        count: i32,
+        count: C,
         moves: bool,
         codes: Option<u32>,
     ) -> Option<Fault> {
@@ -201,18 +201,12 @@ impl ChannelWatch {
             None => (self.repeated, stuck_after.samples, config.sample_period_us),
         };
         let for_us = repeated.saturating_mul(each_us);
-        (repeated >= enough).then_some(Fault::SensorStuck { channel: index, count, for_us })
+        (repeated >= enough).then_some(Fault::SensorStuck { channel: index, count: count.into(), for_us })
     }
 
-    fn missing(
-        &mut self,
-        channel: &Channel,
-        index: u8,
-        count: i32,
-        moved_by_uv: Option<i32>,
-    ) -> Option<Fault> {
+    fn missing(&mut self, channel: &Channel, index: u8, count: C, moved_by_uv: Option<i32>) -> Option<Fault> {
         let below_micro = channel.missing_below_micro?;
-        let value_micro = channel.scale.value_micro(count);
+        let value_micro = channel.scale.value_micro(count.into());
         let nothing = value_micro.unsigned_abs() <= below_micro.unsigned_abs();
         let Some(output_uv) = moved_by_uv.filter(|_| nothing) else {
             self.nothing = 0;

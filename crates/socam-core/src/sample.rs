@@ -5,17 +5,17 @@ use crate::{MAX_CHANNELS, State};
 /// Inputs, output and state at one sampling instant.
 ///
 /// `counts` were read just before `output_count` was written: `output_count` acts from this tick to the next
-/// (zero-order hold), and `counts` are the bench's state at this tick.
+/// (zero-order hold), and `counts` are the bench's state at this tick. `C` is the board's [`crate::Count`]; a host takes both in 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Sample {
+pub struct Sample<C = i32> {
     /// Number of the tick since power-on: device time is `tick * sample_period_us`. Jumps where ticks were overrun;
     /// wraps after 2^32 (119 h at 10 kHz).
     pub tick: u32,
     /// Counts samples since streaming was switched on, without gaps: a gap at the receiver is a loss on the way.
     pub seq: u32,
     /// Readings of converters and encoders; the entries past the configured number of channels are 0.
-    pub counts: [i32; MAX_CHANNELS],
+    pub counts: [C; MAX_CHANNELS],
     /// Count written to the output at this tick.
     pub output_count: i16,
     /// The profile's setpoint, in a millionth of V or rad/s.

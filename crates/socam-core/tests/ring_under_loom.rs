@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use loom::thread;
-use socam_core::{Flags, MAX_CHANNELS, Sample, WIDE_CHANNELS};
+use socam_core::{Flags, MAX_CHANNELS, Sample};
 
 mod atomic {
     use std::sync::OnceLock;
@@ -21,7 +21,8 @@ mod atomic {
     /// and explores hardly any order (tokio-rs/loom issues 166 and 392). So each access is preceded by a relaxed store to a second
     /// word that nobody loads: it synchronises nothing, and two stores are never independent.
     #[derive(Debug)]
-    pub(crate) struct AtomicU32 {
+    #[expect(unreachable_pub, reason = "a public trait of the ring names it")]
+    pub struct AtomicU32 {
         first: u32,
         words: OnceLock<[atomic::AtomicU32; 2]>,
     }
@@ -53,12 +54,12 @@ mod ring;
 
 use ring::{Consumer, Producer, Ring};
 
-fn sample(seq: u32) -> Sample {
+fn sample(seq: u32) -> Sample<i16> {
     let count = seq as i16 + 1;
     Sample {
         tick: seq + 100,
         seq,
-        counts: [count.into(); MAX_CHANNELS],
+        counts: [count; MAX_CHANNELS],
         output_count: count,
         setpoint_micro: -i32::from(count),
         segment: count as u16,
@@ -74,7 +75,7 @@ const STALE: u32 = 50;
 fn explore<const N: usize, const PUSHES: u32>(
     start: u32,
     preemptions: usize,
-    sender: fn(&mut Consumer<'static, N>) -> (Vec<Sample>, bool),
+    sender: fn(&mut Consumer<'static, i16, N>) -> (Vec<Sample<i16>>, bool),
 ) {
     let mut model = loom::model::Builder::new();
     model.preemption_bound = Some(preemptions);
@@ -83,8 +84,8 @@ fn explore<const N: usize, const PUSHES: u32>(
     model.check(move || {
         counted.fetch_add(1, Relaxed);
         // Threads of loom have no scope.
-        let ring: &'static mut Ring<N> = Box::leak(Box::new(Ring::starting_at(start)));
-        let (mut producer, mut consumer): (Producer<'_, N>, Consumer<'_, N>) = ring.split();
+        let ring: &'static mut Ring<i16, N> = Box::leak(Box::new(Ring::starting_at(start)));
+        let (mut producer, mut consumer): (Producer<'_, i16, N>, Consumer<'_, i16, N>) = ring.split();
         // Before there are two threads, every word is created and holds a value from an earlier sample.
         while producer.push(&sample(STALE)) {}
         while consumer.pop().is_some() {}

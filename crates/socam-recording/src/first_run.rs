@@ -1,84 +1,20 @@
 //! The first run of a gearmotor: signs and counts of its encoders, and its winding, from samples of a slow run to both sides.
 
-use socam_core::scaling::RAD_S_PER_RPM;
-use socam_core::{Flags, GearmotorChannel, Sample, State, encoder};
+mod edit;
+mod error;
+mod run;
+mod winding;
+
+pub use error::FirstRunError;
+
+use socam_core::{Flags, GearmotorChannel, Sample, State};
 
 use crate::calibration_file::Calibration;
-use crate::linear::{Fitted, least_squares};
-use crate::settings::SettingsError;
+use run::{Run, by_index, travel};
+use winding::{Winding, motor_line};
 
 /// Counts that an encoder must have passed to be there.
 const FEWEST_COUNTS: f64 = 16.0;
-
-/// Turns between two passes of the index, at least, and by how much the stretches of a run may differ, relatively.
-const FEWEST_TURNS: usize = 4;
-const TURNS_AGREE: f64 = 0.02;
-
-/// Share of an encoder's travel that must be to one side of the voltage: less is no direction.
-const ONE_SIDED: f64 = 0.8;
-
-/// What a first run cannot go on from, in one sentence.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum FirstRunError {
-    /// The run has too few samples.
-    #[error(
-        "the run has {0} samples in which the motor was driven; at least 200 are needed: is the supply on, and did a fault end it?"
-    )]
-    TooShort(usize),
-    /// The encoder of the motor does not count.
-    #[error(
-        "the motor's encoder counted {counts:.0} while {volts:.1} V were applied: check its supply and its wires A and B, and that the motor \
-         turned; a higher --volts turns a stiffer one"
-    )]
-    Silent {
-        /// Counts in the whole run.
-        counts: f64,
-        /// Largest voltage of the run.
-        volts: f64,
-    },
-    /// The encoder counts to both sides whatever the voltage is.
-    #[error(
-        "the {which} encoder counts up and down whatever the voltage is: one of its wires A and B is broken, or its shaft slips"
-    )]
-    NoDirection {
-        /// "motor's" or "output's".
-        which: &'static str,
-    },
-    /// No index, and no number.
-    #[error(
-        "the counts per turn of the motor's encoder are not known: its index was passed {passes} times; wire it to the first digital input, or \
-         give --counts-per-turn (four times the lines; a data sheet's CPR often is that already)"
-    )]
-    NoIndex {
-        /// Passes of the index.
-        passes: usize,
-    },
-    /// The counts between two passes of the index differ.
-    #[error(
-        "the index was passed every {low:.1} to {high:.1} counts: counts are lost, or the first digital input sees another signal; check the \
-         encoder's supply and pull-ups"
-    )]
-    IndexUneven {
-        /// Fewest counts.
-        low: f64,
-        /// Most counts.
-        high: f64,
-    },
-    /// The winding does not follow.
-    #[error(
-        "voltage, current and speed do not follow a winding: {ohm:.3} ohm and {v_s:.5} V s/rad were found; check shunt, amplifier and divider"
-    )]
-    NoWinding {
-        /// Resistance.
-        ohm: f64,
-        /// V s/rad.
-        v_s: f64,
-    },
-    /// The calibration cannot be edited.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-}
 
 /// What is told, not measured.
 #[derive(Debug, Clone, Copy, Default)]
@@ -178,158 +114,6 @@ impl FirstRun {
             line,
         })
     }
-}
-
-/// Columns of a run.
-struct Run {
-    /// Voltage at the motor, V.
-    volts: Vec<f64>,
-    /// Current of the motor, A.
-    amperes: Vec<f64>,
-    /// Positions of both encoders, counts.
-    motor: Vec<f64>,
-    output: Vec<f64>,
-    /// Whether the index was passed.
-    index: Vec<bool>,
-    /// Part of the profile.
-    segment: Vec<u16>,
-}
-
-impl Run {
-    fn of(samples: &[&Sample], calibration: &Calibration) -> Self {
-        let position = |channel: GearmotorChannel| {
-            let counts = f64::from(1u32 << encoder::POSITION_BITS);
-            samples.iter().map(|sample| f64::from(sample.counts[channel.index()]) / counts).collect()
-        };
-        let value = |channel: GearmotorChannel| {
-            // The first value is the command.
-            let of = |sample: &&Sample| {
-                calibration
-                    .values(sample.output_count, &sample.counts)
-                    .nth(1 + channel.index())
-                    .unwrap_or(f64::NAN)
-            };
-            samples.iter().map(of).collect()
-        };
-        let [first, _] = Flags::INPUTS;
-        Self {
-            volts: value(GearmotorChannel::MotorVoltage),
-            amperes: value(GearmotorChannel::MotorCurrent),
-            motor: position(GearmotorChannel::MotorAngle),
-            output: position(GearmotorChannel::OutputAngle),
-            index: samples.iter().map(|sample| sample.flags.has(first)).collect(),
-            segment: samples.iter().map(|sample| sample.segment).collect(),
-        }
-    }
-
-    /// Samples of each part of the profile without its first half, in which the motor changes its speed.
-    fn steady(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
-        let mut from = 0;
-        self.segment.chunk_by(|a, b| a == b).map(move |part| {
-            let range = from + part.len() / 2..from + part.len();
-            from += part.len();
-            range
-        })
-    }
-}
-
-/// Travel of an encoder, in counts.
-struct Travel {
-    total: f64,
-    /// With the voltage.
-    forward: f64,
-}
-
-impl Travel {
-    fn sign(&self, which: &'static str) -> Result<f64, FirstRunError> {
-        if self.forward.abs() < ONE_SIDED * self.total {
-            return Err(FirstRunError::NoDirection { which });
-        }
-        Ok(self.forward.signum())
-    }
-}
-
-/// Travel while the voltage has one sign: from a fifth of its largest value on, so that running down is left out.
-fn travel(position: &[f64], volts: &[f64]) -> Travel {
-    let least = 0.2 * volts.iter().fold(0.0, |most: f64, volts| most.max(volts.abs()));
-    let mut travel = Travel { total: 0.0, forward: 0.0 };
-    for (pair, volts) in position.windows(2).zip(volts).filter(|(_, volts)| volts.abs() > least) {
-        let moved = pair[1] - pair[0];
-        travel.total += moved.abs();
-        travel.forward += moved * volts.signum();
-    }
-    travel
-}
-
-/// Counts from one pass of the index to the next, from the steady parts of the run.
-fn by_index(run: &Run) -> Result<f64, FirstRunError> {
-    let (mut turns, mut counts, mut low, mut high) = (0, 0.0, f64::INFINITY, 0.0f64);
-    for part in run.steady() {
-        let passes: Vec<f64> = part.filter(|row| run.index[*row]).map(|row| run.motor[row]).collect();
-        let [first, .., last] = passes[..] else { continue };
-        let travelled = (last - first).abs();
-        let each = travelled / (passes.len() - 1) as f64;
-        if passes.len() > FEWEST_TURNS {
-            (low, high) = (low.min(each), high.max(each));
-        }
-        turns += passes.len() - 1;
-        counts += travelled;
-    }
-    if turns < FEWEST_TURNS || !low.is_finite() {
-        return Err(FirstRunError::NoIndex { passes: run.index.iter().filter(|passed| **passed).count() });
-    }
-    if high > low * (1.0 + TURNS_AGREE) {
-        return Err(FirstRunError::IndexUneven { low, high });
-    }
-    // Four counts per line, and whole lines.
-    Ok((counts / f64::from(turns as u32) / 4.0).round() * 4.0)
-}
-
-/// The winding by voltage = resistance (current - offset) + inductance d(current)/dt + back-EMF speed.
-struct Winding {
-    is_reversed: bool,
-    resistance_ohm: Measured,
-    inductance_h: Measured,
-    back_emf_v_s: Measured,
-    current_offset_a: Measured,
-}
-
-impl Winding {
-    fn of(run: &Run, counts_per_turn: f64, period_s: f64) -> Result<Self, FirstRunError> {
-        let rad = std::f64::consts::TAU / counts_per_turn;
-        let slope = |column: &[f64], row: usize| (column[row + 1] - column[row - 1]) / (2.0 * period_s);
-        let rows = (1..run.volts.len() - 1).map(|row| {
-            let regressors = [run.amperes[row], slope(&run.amperes, row), slope(&run.motor, row) * rad, 1.0];
-            (regressors, run.volts[row])
-        });
-        let Some(Fitted { values: [ohm, henry, v_s, at_zero], std }) = least_squares(rows) else {
-            return Err(FirstRunError::NoWinding { ohm: f64::NAN, v_s: f64::NAN });
-        };
-        if !(v_s > 0.0 && ohm != 0.0 && std[0] < 0.5 * ohm.abs() && std[2] < 0.5 * v_s) {
-            return Err(FirstRunError::NoWinding { ohm, v_s });
-        }
-        Ok(Self {
-            is_reversed: ohm < 0.0,
-            resistance_ohm: Measured { value: ohm.abs(), std: std[0] },
-            inductance_h: Measured { value: henry * ohm.signum(), std: std[1] },
-            back_emf_v_s: Measured { value: v_s, std: std[2] },
-            current_offset_a: Measured { value: -at_zero / ohm, std: std[3] / ohm.abs() },
-        })
-    }
-}
-
-/// Steady speed over voltage, both mirrored to positive ones.
-fn motor_line(run: &Run, counts_per_turn: f64, period_s: f64) -> Option<[f64; 2]> {
-    let rpm_per_count = std::f64::consts::TAU / counts_per_turn / period_s / RAD_S_PER_RPM;
-    let points = run.steady().filter(|part| part.len() > 50).filter_map(|part| {
-        let (first, last) = (run.motor[part.start], run.motor[part.end - 1]);
-        let rpm = (last - first) / (part.len() - 1) as f64 * rpm_per_count;
-        let volts = run.volts[part.clone()].iter().sum::<f64>() / part.len() as f64;
-        // At standstill there is no line.
-        (rpm * volts > 0.0 && rpm.abs() > 1.0).then_some(([volts.abs(), 1.0], rpm.abs()))
-    });
-    let Fitted { values: [slope, offset], .. } = least_squares(points)?;
-    (slope > 0.0).then_some([slope, offset])
 }
 
 #[cfg(test)]

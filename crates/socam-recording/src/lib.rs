@@ -41,7 +41,6 @@ mod disk;
 mod error;
 mod files;
 mod first_run;
-mod first_run_edit;
 mod format;
 mod legacy;
 mod line_problem;

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
-use socam_core::{Flags, Layout, MAX_CHANNELS, Sample};
+use socam_core::{Count, Flags, Layout, MAX_CHANNELS, Sample};
 
 /// Largest number of samples in a batch; fewer where channels are wide.
 pub const BATCH_SAMPLES: usize = 32;
@@ -19,9 +19,8 @@ pub struct SampleBatch {
     first_tick: u32,
     first_seq: u32,
     segment: u16,
-    channels: u8,
-    /// Bit n: the count of channel n has four bytes, not two.
-    wide: u8,
+    /// The count of a wide channel has four bytes, that of another one two.
+    layout: Layout,
     data: Data,
 }
 
@@ -31,13 +30,12 @@ pub(crate) struct DoesNotFollow;
 
 impl SampleBatch {
     /// A batch of one sample with the counts of this layout; a narrow one saturates.
-    pub fn new(first: &Sample, layout: Layout) -> Self {
+    pub fn new<C: Count>(first: &Sample<C>, layout: Layout) -> Self {
         let mut batch = Self {
             first_tick: first.tick,
             first_seq: first.seq,
             segment: first.segment,
-            channels: layout.channels(),
-            wide: layout.wide_bits(),
+            layout,
             data: Data::EMPTY,
         };
         batch.append(first);
@@ -45,7 +43,7 @@ impl SampleBatch {
     }
 
     /// Adds the next sample, if there is room and it follows without a gap.
-    pub(crate) fn push(&mut self, sample: &Sample) -> Result<(), DoesNotFollow> {
+    pub(crate) fn push<C: Count>(&mut self, sample: &Sample<C>) -> Result<(), DoesNotFollow> {
         let len = self.len();
         let follows = sample.seq == self.first_seq.wrapping_add(len as u32)
             && sample.tick == self.first_tick.wrapping_add(len as u32)
@@ -66,7 +64,7 @@ impl SampleBatch {
 
     /// Number of channels of each sample.
     pub fn channels(&self) -> usize {
-        usize::from(self.channels)
+        usize::from(self.layout.channels())
     }
 
     /// The samples; counts past the batch's channels are 0.
@@ -75,7 +73,7 @@ impl SampleBatch {
             let mut bytes = bytes.iter().copied();
             let mut counts = [0; MAX_CHANNELS];
             for (channel, count) in counts.iter_mut().take(self.channels()).enumerate() {
-                *count = if self.layout().is_wide(channel) {
+                *count = if self.layout.is_wide(channel) {
                     i32::from_le_bytes(take(&mut bytes))
                 } else {
                     i16::from_le_bytes(take(&mut bytes)).into()
@@ -94,19 +92,16 @@ impl SampleBatch {
     }
 
     fn stride(&self) -> usize {
-        FIXED_BYTES + self.layout().bytes()
+        FIXED_BYTES + self.layout.bytes()
     }
 
-    fn layout(&self) -> Layout {
-        Layout::from_bits(self.channels, self.wide).unwrap_or(Layout::narrow(self.channels))
-    }
-
-    fn append(&mut self, sample: &Sample) {
+    fn append<C: Count>(&mut self, sample: &Sample<C>) {
         for (channel, count) in sample.counts.iter().take(self.channels()).enumerate() {
-            if self.layout().is_wide(channel) {
+            let count: i32 = (*count).into();
+            if C::MAY_BE_WIDE && self.layout.is_wide(channel) {
                 self.data.extend(count.to_le_bytes());
             } else {
-                let count = (*count).clamp(i16::MIN.into(), i16::MAX.into()) as i16;
+                let count = count.clamp(i16::MIN.into(), i16::MAX.into()) as i16;
                 self.data.extend(count.to_le_bytes());
             }
         }
@@ -132,8 +127,7 @@ struct Unchecked {
     first_tick: u32,
     first_seq: u32,
     segment: u16,
-    channels: u8,
-    wide: u8,
+    layout: Layout,
     data: Data,
 }
 
@@ -141,11 +135,8 @@ impl TryFrom<Unchecked> for SampleBatch {
     type Error = &'static str;
 
     fn try_from(batch: Unchecked) -> Result<Self, Self::Error> {
-        let Unchecked { first_tick, first_seq, segment, channels, wide, data } = batch;
-        if Layout::from_bits(channels, wide).is_none() {
-            return Err("a batch has 1 to 8 channels, and none of those that it lacks is wide");
-        }
-        let batch = Self { first_tick, first_seq, segment, channels, wide, data };
+        let Unchecked { first_tick, first_seq, segment, layout, data } = batch;
+        let batch = Self { first_tick, first_seq, segment, layout, data };
         let is_whole = data.len.is_multiple_of(batch.stride());
         if is_whole && (1..=BATCH_SAMPLES).contains(&batch.len()) {
             Ok(batch)

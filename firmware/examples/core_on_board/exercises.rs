@@ -156,7 +156,7 @@ fn averages() -> u64 {
     for period_us in [100, 200, 1000, 20_000] {
         let mut average = Average::new(period_us, MAX_CHANNELS as u8);
         for _ in 0..400 {
-            if average.push(&core::array::from_fn(|_| counts.next().into())) {
+            if average.push(&core::array::from_fn(|_| counts.next())) {
                 average.sample().iter().for_each(|count| digest.integer(i64::from(*count)));
             }
         }
@@ -174,16 +174,18 @@ struct Motor {
 }
 
 impl Ports for Motor {
+    type Count = i16;
+
     fn now_us(&mut self) -> u64 {
         self.now_us
     }
 
-    fn read(&mut self, counts: &mut [i32]) -> Result<(), ConverterSilent> {
+    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
         let driven_urad_s = if self.enabled { i64::from(self.output) * 23_000 } else { 0 };
         self.speed_urad_s += (driven_urad_s - self.speed_urad_s) / 50;
-        let tachometer = (self.speed_urad_s / 4632) as i32;
+        let tachometer = (self.speed_urad_s / 4632) as i16;
         for (count, share) in counts.iter_mut().zip([1000, 350, 20, 60]) {
-            *count = tachometer * share / 1000 + i32::from(self.noise.next() / 4096);
+            *count = (i32::from(tachometer) * share / 1000) as i16 + self.noise.next() / 4096;
         }
         Ok(())
     }
@@ -201,7 +203,7 @@ impl Ports for Motor {
 /// A run, a stop, another run that exceeds a limit: every sample and status.
 fn board(command: Command) -> u64 {
     let mut digest = Digest::new();
-    let mut ring = Ring::<16>::new();
+    let mut ring = Ring::<i16, 16>::new();
     let (producer, mut samples) = ring.split();
     let motor = Motor { now_us: 0, speed_urad_s: 0, output: 0, enabled: false, noise: Counts(9) };
     let mut board = Board::new(motor, producer);
@@ -242,7 +244,7 @@ fn board(command: Command) -> u64 {
 /// Frames to the host over a line that damages every seventh, and the decoded messages.
 fn messages() -> u64 {
     let (mut digest, mut counts) = (Digest::new(), Counts(3));
-    let mut ring = Ring::<64>::new();
+    let mut ring = Ring::<i16, 64>::new();
     let (mut producer, samples) = ring.split();
     let front_end = FrontEnd {
         kind: BoardKind::Analog,
@@ -262,7 +264,7 @@ fn messages() -> u64 {
     let mut frame = [0; MAX_FRAME];
     for number in 0..40 {
         for at in 0..20 {
-            let counts = core::array::from_fn(|_| counts.next().into());
+            let counts = core::array::from_fn(|_| counts.next());
             let tick = number * 20 + at;
             producer.push(&Sample { tick, seq: tick, counts, ..Sample::default() });
         }

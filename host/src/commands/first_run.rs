@@ -93,7 +93,7 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let folder = tempfile::tempdir().context("cannot write a temporary file")?;
     let plan = plan(&args, calibration.clone(), folder.path())?;
     let mut gathered = Gathered { samples: Vec::new(), interrupt };
-    output::say(&format!(
+    output::say(format_args!(
         "the motor turns to both sides with up to {} V for {:.0} s",
         args.volts,
         DWELL_S * LEVELS

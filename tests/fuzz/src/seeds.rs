@@ -201,7 +201,7 @@ fn frames<M: serde::Serialize>(messages: &[M]) -> Vec<u8> {
 
 /// What a board sends.
 pub(crate) fn to_host(_: &Path) -> Vec<Vec<u8>> {
-    let mut ring = Ring::<32>::new();
+    let mut ring = Ring::<i32, 32>::new();
     let (mut producer, consumer) = ring.split();
     for number in 0..20_u32 {
         let counts = [number as i32; socam_core::MAX_CHANNELS];
@@ -210,7 +210,8 @@ pub(crate) fn to_host(_: &Path) -> Vec<Vec<u8>> {
     let mut link = BoardLink::new(identity(), consumer);
     let mut out = [0; MAX_FRAME];
     let mut samples = Vec::new();
-    while let Some(length) = link.samples(Layout::from_bits(4, 2).unwrap_or(Layout::narrow(4)), 1, &mut out) {
+    while let Some(length) = link.samples(Layout::try_from([4, 2]).unwrap_or(Layout::narrow(4)), 1, &mut out)
+    {
         samples.extend_from_slice(&out[..length]);
     }
     let answer = |number| ToHost::Answer { number, result: Ok(()) };

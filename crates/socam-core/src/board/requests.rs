@@ -2,6 +2,7 @@
 
 use super::Board;
 use crate::config::Config;
+use crate::motor_check::MotorCheck;
 use crate::ports::Ports;
 use crate::profile::{Generator, Profile};
 use crate::safety::{State, Watch};
@@ -57,7 +58,7 @@ impl<P: Ports, const N: usize> Board<'_, P, N> {
 
     fn configure(&mut self, config: Config) -> Result<(), Refusal> {
         self.expect(State::Idle)?;
-        config.check_below(&P::CEILINGS)?;
+        config.check_for::<P>()?;
         self.schedule.set_period(config.sample_period_us);
         self.config = Sealed::new(config);
         self.loaded = Sealed::new(None);
@@ -80,6 +81,9 @@ impl<P: Ports, const N: usize> Board<'_, P, N> {
         self.ahead = None;
         self.speed_loop = SpeedLoop::new(&self.config().speed, self.config().sample_period_us);
         self.watch = Watch::new(self.config());
+        if P::WATCHES_MOTOR {
+            self.motor = MotorCheck::new(self.config());
+        }
         self.limited = 0;
         self.limit_us = profile.longest_us();
         self.enter(State::Armed);

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{MAX_CHANNELS, WIDE_CHANNELS};
+use super::MAX_CHANNELS;
 use crate::fault::Milli;
 
 /// Why a configuration was refused.
@@ -13,8 +13,7 @@ pub enum ConfigError {
     SamplePeriod(u32),
     /// More channels than a board has, or none.
     ChannelCount(u8),
-    /// A scale, limit or gain is zero, negative or beyond what the integers hold, or an encoder's channel is not among the first ones: this
-    /// channel.
+    /// A scale, limit or gain is zero, negative or beyond what the integers hold: this channel.
     Channel(u8),
     /// The output's scale or clamp is not positive, or the clamp exceeds the converter.
     Output,
@@ -26,6 +25,10 @@ pub enum ConfigError {
     Watch,
     /// The motor's winding or its channels are not positive or do not exist.
     Motor,
+    /// This channel is an encoder's, and the board has none.
+    NoEncoder(u8),
+    /// There is a motor, and this board compares none with its encoder.
+    NoMotor,
     /// No channel has anything that would end a run.
     NoLimits,
     /// The clamp exceeds what this board puts out.
@@ -48,7 +51,7 @@ impl fmt::Display for ConfigError {
             Self::SamplePeriod(us) => write!(f, "sample period is {us} us; it must be 50 us to 1 s"),
             Self::ChannelCount(n) => write!(f, "{n} channels; there must be 1 to {MAX_CHANNELS}"),
             Self::Channel(i) => {
-                write!(f, "channel {i}: its scale is 0 or too large, a limit is not positive, or it is an encoder's and not one of the first {WIDE_CHANNELS}")
+                write!(f, "channel {i}: its scale is 0 or too large, or a limit is not positive")
             }
             Self::Output => {
                 f.write_str("the output's scale or clamp is not positive, or the clamp exceeds the converter")
@@ -61,6 +64,12 @@ impl fmt::Display for ConfigError {
             Self::Motor => f.write_str(
                 "the motor's resistance, back-EMF and times must be positive, and its speed, current, voltage and supply channels must exist",
             ),
+            Self::NoEncoder(i) => {
+                write!(f, "channel {i} is an encoder's, and this board has no encoders: give a calibration for this board")
+            }
+            Self::NoMotor => {
+                f.write_str("this board cannot compare a motor with its encoder: give a calibration for this board")
+            }
             Self::NoLimits => f.write_str(
                 "no channel has a limit, a rail or a test of its sensor, so nothing would stop the bench: give one channel a `limit`",
             ),

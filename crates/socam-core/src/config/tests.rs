@@ -29,7 +29,7 @@ fn converters_of_fewer_bits_have_larger_counts() {
     let twelve_bit = Converter { bits: 12, full_scale_v: 10.0 };
     let mut config = Config::default();
     config.channels[0].scale = Sensor::MOTOR_SPEED.scale(&twelve_bit);
-    config.channels[0].saturation_count = Some(twelve_bit.highest_count().into());
+    config.channels[0].saturation_count = Some(twelve_bit.highest_count());
     assert_eq!(config.check(), Ok(()));
     // 2047 counts of this are 2500 units: more than an i32 holds in millionths.
     config.channels[0].scale.micro_per_count_q16 *= 17;

@@ -7,12 +7,12 @@ use socam_core::{Board, Ceilings, Command, ConverterSilent, MAX_CHANNELS, Ports,
 pub(crate) struct Bench {
     pub(crate) now_us: u64,
     pub(crate) speed_urad_s: f64,
-    pub(crate) ripple: i32,
+    pub(crate) ripple: i16,
     pub(crate) converter_silent: bool,
     pub(crate) output_silent: bool,
     pub(crate) stop_pressed: bool,
     /// Readings forced onto a channel.
-    pub(crate) forced: [Option<i32>; MAX_CHANNELS],
+    pub(crate) forced: [Option<i16>; MAX_CHANNELS],
     pub(crate) output: i16,
     pub(crate) enabled: bool,
     /// State in which the enable line is stuck, if it is.
@@ -22,6 +22,8 @@ pub(crate) struct Bench {
 }
 
 impl Ports for Bench {
+    type Count = i16;
+
     const CEILINGS: Ceilings = Ceilings {
         output_uv: 5_000_000,
         speed_urad_s: 250_000_000,
@@ -34,13 +36,13 @@ impl Ports for Bench {
         self.now_us
     }
 
-    fn read(&mut self, counts: &mut [i32]) -> Result<(), ConverterSilent> {
+    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
         let volts = if self.enabled { f64::from(self.output) * 10.0 / 32768.0 } else { 0.0 };
         self.speed_urad_s += (volts * 75.6e6 - self.speed_urad_s) * 0.02;
         // Ripple of one count: no real sensor repeats a count for a second.
         self.ripple = -1 - self.ripple;
-        let motor = (self.speed_urad_s / 4632.0) as i32;
-        let healthy = [motor, (f64::from(motor) * 0.3497) as i32, 100, 200, 0, 0, 0, 0];
+        let motor = (self.speed_urad_s / 4632.0) as i16;
+        let healthy = [motor, (f64::from(motor) * 0.3497) as i16, 100, 200, 0, 0, 0, 0];
         for ((count, healthy), forced) in counts.iter_mut().zip(healthy).zip(self.forced) {
             *count = forced.unwrap_or(healthy + self.ripple);
         }

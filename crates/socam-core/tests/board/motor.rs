@@ -47,6 +47,10 @@ impl Motor {
 }
 
 impl Ports for Motor {
+    type Count = i32;
+
+    const WATCHES_MOTOR: bool = true;
+
     fn now_us(&mut self) -> u64 {
         self.now_us
     }

@@ -147,7 +147,7 @@ impl CalibratedChannel {
             },
             scale: self.scale(converter),
             limit_micro: self.limit.map(micro),
-            saturation_count: self.counts_per_turn.is_none().then(|| converter.highest_count().into()),
+            saturation_count: self.counts_per_turn.is_none().then(|| converter.highest_count()),
             stuck_after_us: self.stuck_s.map(us),
             missing_below_micro: self.missing_below.map(micro),
         }

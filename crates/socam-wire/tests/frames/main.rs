@@ -76,14 +76,14 @@ fn every_request_and_answer_arrives_as_it_was_sent() {
 /// The bytes are a contract with every board out there: if this fails, raise `SCHEMA_VERSION`, then pin the new bytes.
 #[test]
 fn the_bytes_of_every_kind_of_message_are_pinned() {
-    let board = Board::new(Still(0), Ring::<4>::new().split().0).status();
+    let board = Board::new(Still(0), Ring::<i16, 4>::new().split().0).status();
     let status = BoardStatus { board, link: LinkCounts::default() };
-    let mut ring = Ring::<4>::new();
+    let mut ring = Ring::<i32, 4>::new();
     let (mut producer, consumer) = ring.split();
     producer.push(&Sample { tick: 1, seq: 2, counts: [3; 8], setpoint_micro: -4, ..Sample::default() });
     let mut out = [0; MAX_FRAME];
     let samples =
-        BoardLink::new(identity(), consumer).samples(Layout::from_bits(2, 1).unwrap(), 1, &mut out).unwrap();
+        BoardLink::new(identity(), consumer).samples(Layout::try_from([2, 1]).unwrap(), 1, &mut out).unwrap();
     let to_board = [
         ToBoard::Hello,
         ToBoard::Request { number: 1, request: Request::Configure(Config::default()) },
@@ -116,7 +116,7 @@ fn another_version_is_told_in_words_whatever_its_frames_look_like() {
     assert!(words.contains("version 7 of the messages, this one speaks version 6"), "{words}");
 
     // A board answers a foreign host all the same: its frame shows its version.
-    let mut ring = Ring::<4>::new();
+    let mut ring = Ring::<i16, 4>::new();
     let mut link = BoardLink::new(identity(), ring.split().1);
     let mut out = [0; MAX_FRAME];
     let len = link.receive(&mut bytes.as_slice(), &mut out, |_| Ok(())).unwrap();
@@ -166,9 +166,9 @@ proptest! {
     #[test]
     fn samples_travel_in_batches_without_change(
         mut samples in prop::collection::vec((any_sample(), 0..40u32, 0..60u16), 1..200),
-        layout in (1..=8u8, any::<u8>()).prop_map(|(channels, wide)| Layout::from_bits(channels, wide & 0x0f & (0xff >> (8 - channels))).unwrap()),
+        layout in (1..=8u8, any::<u8>()).prop_map(|(channels, wide)| Layout::try_from([channels, wide & (0xff >> (8 - channels))]).unwrap()),
     ) {
-        let mut ring = Ring::<256>::new();
+        let mut ring = Ring::<i32, 256>::new();
         let (mut producer, consumer) = ring.split();
         let (mut seq, mut tick, mut segment) = (u32::MAX - 20, 0u32, 0u16);
         for (sample, tick_jump, segment_jump) in &mut samples {
@@ -200,7 +200,7 @@ proptest! {
 /// 10 kHz with 6 channels must stay inside the 220 kB/s that a full-speed USB link was seen to carry.
 #[test]
 fn ten_kilohertz_of_six_channels_fit_through_usb() {
-    let mut ring = Ring::<64>::new();
+    let mut ring = Ring::<i16, 64>::new();
     let (mut producer, consumer) = ring.split();
     for seq in 0..32 {
         producer.push(&Sample { tick: seq, seq, counts: [-1; 8], setpoint_micro: -1, ..Sample::default() });
@@ -214,10 +214,12 @@ fn ten_kilohertz_of_six_channels_fit_through_usb() {
 struct Still(u64);
 
 impl Ports for Still {
+    type Count = i16;
+
     fn now_us(&mut self) -> u64 {
         self.0
     }
-    fn read(&mut self, _: &mut [i32]) -> Result<(), ConverterSilent> {
+    fn read(&mut self, _: &mut [i16]) -> Result<(), ConverterSilent> {
         Ok(())
     }
     fn write(&mut self, _: i16) -> Result<(), ConverterSilent> {
@@ -228,7 +230,7 @@ impl Ports for Still {
 
 #[test]
 fn a_host_talks_to_a_board() {
-    let mut ring = Ring::<64>::new();
+    let mut ring = Ring::<i16, 64>::new();
     let (producer, consumer) = ring.split();
     let mut board = Board::new(Still(0), producer);
     let mut link = BoardLink::new(identity(), consumer);
@@ -256,7 +258,7 @@ fn a_host_talks_to_a_board() {
         board.ports_mut().0 += 1000;
         board.tick();
     }
-    let len = link.samples(board.config().layout(), 1, &mut out).unwrap();
+    let len = link.samples(board.layout(), 1, &mut out).unwrap();
     let [Ok(ToHost::Samples(batch))] = decode(&mut decoder, &out[..len])[..] else { panic!() };
     assert_eq!(batch.samples().map(|s| s.seq).collect::<Vec<_>>(), [0, 1, 2]);
     assert_eq!(link.samples(Layout::narrow(4), 1, &mut out), None);

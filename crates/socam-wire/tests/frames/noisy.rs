@@ -16,8 +16,8 @@ const HEARTBEAT_EVERY: u32 = 1000;
 const DAMAGED: u64 = 1000;
 
 /// Reading of a channel at a tick: every sample differs from the one before and from its neighbours.
-fn reading(tick: u32, channel: u32) -> i32 {
-    ((tick.wrapping_mul(2_654_435_761) >> 13) ^ channel.wrapping_mul(0x5bd1)) as i16 as i32
+fn reading(tick: u32, channel: u32) -> i16 {
+    ((tick.wrapping_mul(2_654_435_761) >> 13) ^ channel.wrapping_mul(0x5bd1)) as i16
 }
 
 struct Known {
@@ -25,10 +25,12 @@ struct Known {
 }
 
 impl Ports for Known {
+    type Count = i16;
+
     fn now_us(&mut self) -> u64 {
         self.now_us
     }
-    fn read(&mut self, counts: &mut [i32]) -> Result<(), ConverterSilent> {
+    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
         let tick = (self.now_us / u64::from(PERIOD_US)) as u32;
         (0..).zip(counts).for_each(|(channel, count)| *count = reading(tick, channel));
         Ok(())
@@ -92,7 +94,7 @@ impl Account {
         // The stream begins at the first tick.
         assert_eq!(sample.tick, sample.seq + 1);
         for (channel, count) in (0..u32::from(CHANNELS)).zip(sample.counts) {
-            assert_eq!(count, reading(sample.tick, channel), "tick {}", sample.tick);
+            assert_eq!(count, i32::from(reading(sample.tick, channel)), "tick {}", sample.tick);
         }
         assert!(sample.seq >= self.next_seq, "a sample came twice");
         self.lost += sample.seq - self.next_seq;
@@ -106,7 +108,7 @@ fn config() -> Config {
     // Readings here are no speeds; what may end the run is the converter's rail, which they do not reach twice.
     config.confirm_samples = 255;
     for channel in &mut config.channels {
-        *channel = Channel { saturation_count: Some(i16::MAX.into()), kind: channel.kind, ..Channel::UNUSED };
+        *channel = Channel { saturation_count: Some(i16::MAX), kind: channel.kind, ..Channel::UNUSED };
     }
     config
 }
@@ -124,7 +126,7 @@ fn profile() -> Profile {
 
 #[test]
 fn ten_minutes_at_10_khz_over_a_bad_link_falsify_nothing() {
-    let mut ring = Ring::<1024>::new();
+    let mut ring = Ring::<i16, 1024>::new();
     let (producer, consumer) = ring.split();
     let mut board = Board::new(Known { now_us: 0 }, producer);
     let mut link = BoardLink::new(identity(), consumer);

@@ -2,8 +2,8 @@
 
 use socam_core::{BoardKind, GearmotorChannel};
 
+use super::FirstRun;
 use crate::calibration_file::Calibration;
-use crate::first_run::FirstRun;
 use crate::settings::SettingsError;
 
 impl FirstRun {
