@@ -58,6 +58,7 @@ mod sample;
 pub mod scaling;
 mod schedule;
 mod sealed;
+mod state;
 mod status;
 mod velocity;
 
@@ -74,7 +75,7 @@ pub use ports::{ConverterSilent, Ports};
 pub use profile::{Command, Generator, Lines, MAX_LINES, Profile, ProfileError, ProfileKey, Setpoint, Shape};
 pub use request::{Refusal, Request};
 pub use ring::{Consumer, Producer, Ring, Stored};
-pub use safety::State;
 pub use sample::{Flags, Sample};
 pub use scaling::{MotorLine, Scale};
+pub use state::State;
 pub use status::Status;

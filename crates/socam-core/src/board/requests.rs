@@ -5,8 +5,9 @@ use crate::config::Config;
 use crate::motor_check::MotorCheck;
 use crate::ports::Ports;
 use crate::profile::{Generator, Profile};
-use crate::safety::{State, Watch};
+use crate::safety::Watch;
 use crate::sealed::Sealed;
+use crate::state::State;
 use crate::velocity::SpeedLoop;
 use crate::{Fault, Refusal, Request};
 
