@@ -7,7 +7,7 @@ use socam_recording::Channel;
 use crate::SimError;
 use crate::drive::{self, Drive};
 use crate::fault::{FaultyChannel, Instant};
-use crate::gearmotor::{Gearmotor, SupplyRows, VOLTAGE_ROW};
+use crate::gearmotor::{Gearmotor, GearmotorPins, SupplyRows, VOLTAGE_ROW};
 use crate::plant::{Effort, Plant, Trajectory};
 use crate::sensors::Sensor;
 use crate::setup::{Plants, Setup};
@@ -184,6 +184,26 @@ impl<'p> Bench<'p> {
         self.shafts.iter_mut().for_each(|(row, angle_rad)| *angle_rad += outputs[*row] * step_s);
         volts.iter_mut().zip(self.read(to_s, step_s)).for_each(|(volts, now)| *volts = now);
         Ok(())
+    }
+
+    /// Simulates to `to_s` with a gearmotor's bridge at a duty, or off; `None` where the bench is no gearmotor.
+    pub(crate) fn bridge(&mut self, to_s: f64, duty: Option<f64>) -> Result<Option<GearmotorPins>, SimError> {
+        let Some(gearmotor) = &mut self.gearmotor else { return Ok(None) };
+        self.settles_at = gearmotor.bridge(duty, &self.outputs);
+        let from_s = self.trajectory.time_s();
+        self.pass(to_s)?;
+        self.trajectory.outputs(&mut self.outputs[..self.supply.voltage]);
+        let Some(gearmotor) = &mut self.gearmotor else { return Ok(None) };
+        gearmotor.load_supply(&mut self.outputs, self.supply);
+        let angles_rad = gearmotor.angles_rad(&self.outputs);
+        let read: Vec<f64> = self.read(to_s, to_s - from_s).collect();
+        let volts = [
+            GearmotorChannel::MotorCurrent,
+            GearmotorChannel::SupplyCurrent,
+            GearmotorChannel::SupplyVoltage,
+        ]
+        .map(|channel| read.get(channel.index()).copied().unwrap_or(0.0));
+        Ok(Some(GearmotorPins { angles_rad, volts }))
     }
 
     /// Simulates to `to_s`.

@@ -45,6 +45,15 @@ pub(crate) struct Gearmotor {
     is_index: bool,
 }
 
+/// What a gearmotor board's pins see.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GearmotorPins {
+    /// Angles of the motor's and of the output's encoder, rad.
+    pub angles_rad: [f64; 2],
+    /// Voltages of the motor's current, of the supply's current and of the supply at the converter, V.
+    pub volts: [f64; 3],
+}
+
 /// The rows that a gearmotor adds to the outputs of the plant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SupplyRows {
@@ -93,6 +102,12 @@ impl Gearmotor {
         self.applied(outputs)
     }
 
+    /// Sets the bridge's duty, -1 to 1, or switches it off; returns the voltage at the motor.
+    pub(crate) fn bridge(&mut self, duty: Option<f64>, outputs: &[f64]) -> f64 {
+        self.duty = duty;
+        self.applied(outputs)
+    }
+
     /// The voltage at the motor: a bridge that is off leaves it its own, so that no current flows.
     pub(crate) fn applied(&self, outputs: &[f64]) -> f64 {
         let (row, back_emf) = self.coasts;
@@ -105,10 +120,7 @@ impl Gearmotor {
         let (before_s, before_v) = std::mem::replace(&mut self.converted, (at_s, outputs[VOLTAGE_ROW]));
         let late = (self.bridge_lag_s / (at_s - before_s)).min(1.0);
         outputs[VOLTAGE_ROW] += (before_v - outputs[VOLTAGE_ROW]) * late;
-        let motor_a = self.current_row.map_or(0.0, |row| outputs[row]);
-        let supply_a = self.duty.unwrap_or(0.0) * motor_a;
-        self.supply_v = SUPPLY_V - SUPPLY_OHM * supply_a;
-        (outputs[rows.voltage], outputs[rows.current]) = (self.supply_v, supply_a);
+        self.load_supply(outputs, rows);
         let [motor, output] = &mut self.encoders;
         if let Some(encoder) = motor {
             self.is_index |= encoder.convert(at_s, outputs);
@@ -116,6 +128,19 @@ impl Gearmotor {
         if let Some(encoder) = output {
             encoder.convert(at_s, outputs);
         }
+    }
+
+    /// The supply under the motor's present current, added to the plant's outputs.
+    pub(crate) fn load_supply(&mut self, outputs: &mut [f64], rows: SupplyRows) {
+        let motor_a = self.current_row.map_or(0.0, |row| outputs[row]);
+        let supply_a = self.duty.unwrap_or(0.0) * motor_a;
+        self.supply_v = SUPPLY_V - SUPPLY_OHM * supply_a;
+        (outputs[rows.voltage], outputs[rows.current]) = (self.supply_v, supply_a);
+    }
+
+    /// Angles of the encoders' shafts, rad.
+    pub(crate) fn angles_rad(&self, outputs: &[f64]) -> [f64; 2] {
+        self.encoders.each_ref().map(|encoder| encoder.as_ref().map_or(0.0, |own| outputs[own.row]))
     }
 
     /// Writes the encoders' samples to their channels.

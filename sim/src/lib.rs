@@ -40,6 +40,7 @@ pub use concealed::{Concealed, Override};
 pub use drive::{Answer, Drive};
 pub use error::SimError;
 pub use fleet::{FleetMachine, FleetPlan, VirtualFleet};
+pub use gearmotor::GearmotorPins;
 pub use plant::{Effort, Plant, Trajectory};
 pub use replay::{Begin, Disturbance, OutputError, Replay, Replayed, Start};
 pub use setup::{NO_TACHOMETER, Setup, calibration_for};

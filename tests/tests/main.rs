@@ -38,6 +38,8 @@ mod firmware_image;
 mod fleet;
 mod frequency;
 mod gearmotor;
+#[cfg(feature = "full")]
+mod gearmotor_board;
 mod identify;
 mod import;
 #[cfg(feature = "full")]
