@@ -70,12 +70,15 @@ fn sample(seq: u32) -> Sample<i16> {
 /// Number of the sample that was in each slot before.
 const STALE: u32 = 50;
 
+/// Samples that a sender took, and whether it has cleared the ring meanwhile.
+type Taken = (Vec<Sample<i16>>, bool);
+
 /// Runs the interrupt, which pushes `PUSHES` samples, against `sender`, with at most `preemptions` changes of thread that nothing
 /// forces, and checks that each sample arrives once, whole and in order, or is counted.
 fn explore<const N: usize, const PUSHES: u32>(
     start: u32,
     preemptions: usize,
-    sender: fn(&mut Consumer<'static, i16, N>) -> (Vec<Sample<i16>>, bool),
+    sender: fn(&mut Consumer<'static, i16, N>) -> Taken,
 ) {
     let mut model = loom::model::Builder::new();
     model.preemption_bound = Some(preemptions);
