@@ -44,9 +44,14 @@ impl Drive {
         register.write_value(ENABLE);
     }
 
+    /// State in which the board has put the line.
+    pub(crate) fn is_set(&self) -> bool {
+        pac::SIO.gpio_out(0).value().read() & ENABLE != 0
+    }
+
     /// State of the line as read back; it differs from the commanded one if pad or feedback say so.
     pub(crate) fn read(&self) -> bool {
-        let is_set = pac::SIO.gpio_out(0).value().read() & ENABLE != 0;
+        let is_set = self.is_set();
         let pad = pac::SIO.gpio_in(0).read() & ENABLE != 0;
         let feedback = self.feedback.as_ref().map_or(is_set, Input::is_high);
         if pad == is_set && feedback == is_set { is_set } else { !is_set }

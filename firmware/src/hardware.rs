@@ -8,6 +8,9 @@ use socam_core::{Average, Ceilings, ConverterSilent, MAX_CHANNELS, Ports};
 use crate::bus::Chip;
 use crate::drive::Drive;
 
+/// What its channels are counted in.
+pub(crate) type Count = i16;
+
 /// Number of connected inputs.
 pub(crate) const CHANNELS: u8 = 4;
 
@@ -110,6 +113,8 @@ impl Hardware {
 }
 
 impl Ports for Hardware {
+    type Count = Count;
+
     const CEILINGS: Ceilings = CEILINGS;
 
     fn now_us(&mut self) -> u64 {

@@ -15,6 +15,7 @@ use socam_core::{Fault, Refusal, Request};
 use socam_wire::{BATCH_SAMPLES, BoardLink, Image, MAX_FRAME};
 use static_cell::StaticCell;
 
+use crate::hardware::Count;
 use crate::sampling::{self, Answer, Ask, RING_SAMPLES, STATE_AND_FAULT};
 use crate::slot::{Filler, Taker};
 use crate::watchdog;
@@ -71,13 +72,13 @@ impl Core {
 
 /// Both ends of the link.
 struct Talk {
-    link: BoardLink<'static, RING_SAMPLES>,
+    link: BoardLink<'static, Count, RING_SAMPLES>,
     core: Core,
 }
 
 /// Serves the host for ever.
 #[embassy_executor::task]
-pub(crate) async fn run(driver: Usb, link: BoardLink<'static, RING_SAMPLES>, core: Core) {
+pub(crate) async fn run(driver: Usb, link: BoardLink<'static, Count, RING_SAMPLES>, core: Core) {
     static OUT: StaticCell<Outgoing> = StaticCell::new();
     let out = OUT.init(Pipe::new());
     let (mut device, line) = build(driver);
@@ -134,7 +135,7 @@ async fn speak(talk: &RefCell<Talk>, out: &Outgoing) {
     let mut ticker = Ticker::every(LOOK_EVERY);
     let (mut sent, mut status_sent) = (Instant::now(), Instant::now());
     let mut told = STATE_AND_FAULT.load(Ordering::Relaxed);
-    let mut channels = 0;
+    let mut layout = None;
     loop {
         ticker.next().await;
         watchdog::link_is_at_work();
@@ -143,11 +144,12 @@ async fn speak(talk: &RefCell<Talk>, out: &Outgoing) {
         let has_changed = state_and_fault != told;
         let is_late = sent.elapsed() >= LATEST_SEND;
         let at_least = if is_late || has_changed { 1 } else { BATCH_SAMPLES };
-        let asked = (has_changed || status_sent.elapsed() >= STATUS_EVERY || channels == 0)
+        let asked = (has_changed || status_sent.elapsed() >= STATUS_EVERY || layout.is_none())
             .then(|| core.ask(Ask::Status));
-        channels = asked.as_ref().map_or(channels, |answer| answer.channels);
+        layout = asked.as_ref().map(|answer| answer.layout).or(layout);
         while out.free_capacity() >= MAX_FRAME
-            && let Some(len) = link.samples(channels, at_least, frame)
+            && let Some(layout) = layout
+            && let Some(len) = link.samples(layout, at_least, frame)
         {
             put(out, frame.get(..len).unwrap_or_default());
             sent = Instant::now();

@@ -6,6 +6,7 @@
 // The linker's message is the use of flash and memory.
 #![warn(linker_messages)]
 
+mod boot;
 mod bus;
 mod clock;
 mod drive;
@@ -21,20 +22,15 @@ mod watchdog;
 
 use embassy_executor::Spawner;
 use embassy_rp::gpio::{Input, Level, Output, Pull};
-use embassy_rp::interrupt::{self, InterruptExt, Priority};
-use embassy_rp::peripherals::USB;
+use embassy_rp::pac;
 use embassy_rp::spi::{Phase, Polarity, Spi};
-use embassy_rp::{bind_interrupts, pac, usb};
 use socam_converters::{Ad5761r, Ads8688};
-use socam_core::{Board, Config, Fault, Ring};
-use socam_wire::{BoardLink, EnableFeedback, FrontEnd, Identity, Image, Start, Text};
-use static_cell::StaticCell;
+use socam_core::Config;
+use socam_wire::{BoardKind, FrontEnd, Text};
 
 use bus::Chip;
 use drive::Drive;
 use hardware::{Hardware, Lines};
-use sampling::{Answer, Ask, RING_SAMPLES};
-use slot::Slot;
 
 /// The drive's enable line.
 const ENABLE_PIN: u8 = 22;
@@ -42,6 +38,8 @@ const ENABLE_PIN: u8 = 22;
 const ALIVE_PIN: u8 = 2;
 /// The output converter's reset line.
 const OUTPUT_RESET_PIN: u8 = 14;
+/// Lines that are released before the processor is reset.
+const RELEASED: u32 = 1 << ENABLE_PIN | 1 << OUTPUT_RESET_PIN;
 
 /// Below the ADS8688's 17 MHz; both controllers divide 125 MHz by 8.
 const SPI_HZ: u32 = 15_625_000;
@@ -49,17 +47,10 @@ const SPI_HZ: u32 = 15_625_000;
 /// Time from one channel's conversion to the next: 48 clock edges and the gaps between them. `tests/tests/board.rs` measures it.
 const CHANNEL_STEP_NS: u32 = 3_700;
 
-bind_interrupts!(struct Interrupts {
-    USBCTRL_IRQ => usb::InterruptHandler<USB>;
-});
-
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     let p = embassy_rp::init(Default::default());
-    // SAFETY: nothing else in this program uses the memory protection unit and the counter of cycles.
-    let mut core = unsafe { cortex_m::Peripherals::steal() };
-    guard::set(&core.MPU);
-    clock::start(&mut core.SYST);
+    boot::protect();
     let drive = Drive::new(p.PIN_22, p.PIN_20, p.PIN_21);
     // Never dropped, and so driven from now on.
     core::mem::forget(Output::new(p.PIN_2, Level::Low));
@@ -72,37 +63,19 @@ async fn main(spawner: Spawner) {
     // Clock 10, data out 11, data in 12, select 13.
     let _outputs = Spi::new_blocking(p.SPI1, p.PIN_10, p.PIN_11, p.PIN_12, spi());
     let output = Chip::new(pac::SPI1, Output::new(p.PIN_13, Level::High));
-    let enable_feedback = drive.feedback();
+    let about = boot::About {
+        board: Text::new("Raspberry Pi Pico, ADS8688, AD5761R"),
+        front_end: FrontEnd {
+            kind: BoardKind::Analog,
+            input_full_scale_uv: Ads8688::<Chip>::FULL_SCALE_UV,
+            output_full_scale_uv: Ad5761r::<Chip>::FULL_SCALE_UV,
+            channel_step_ns: CHANNEL_STEP_NS,
+        },
+        enable_feedback: drive.feedback(),
+    };
     let lines = Lines { output_reset, drive, stop, cable };
     let hardware = Hardware::new(input, output, lines, Config::default().sample_period_us);
-
-    static RING: StaticCell<Ring<RING_SAMPLES>> = StaticCell::new();
-    static ASKS: StaticCell<Slot<Ask>> = StaticCell::new();
-    static ANSWERS: StaticCell<Slot<Answer>> = StaticCell::new();
-    let (producer, samples) = RING.init_with(Ring::new).split();
-    let (asks, core_asks) = ASKS.init(Slot::new()).split();
-    let (core_answers, answers) = ANSWERS.init(Slot::new()).split();
-    let mut board = Board::new(hardware, producer);
-    let image = image::check();
-    if image == Image::Damaged {
-        board.latch(Fault::ImageDamaged);
-    }
-    let (begun, cause) = start::cause();
-    if let Some(cause) = cause {
-        board.latch(cause);
-    }
-
-    // Interrupt priorities: sampling first, then embassy's clock, then the link.
-    interrupt::TIMER_IRQ_1.set_priority(Priority::P0);
-    interrupt::TIMER_IRQ_0.set_priority(Priority::P2);
-    interrupt::USBCTRL_IRQ.set_priority(Priority::P3);
-    watchdog::start();
-    sampling::start(board, core_asks, core_answers);
-
-    let driver = usb::Driver::new(p.USB, Interrupts);
-    let link = BoardLink::new(identity(begun, enable_feedback, image), samples);
-    spawner.spawn(light::show(Output::new(p.PIN_25, Level::Low)).expect("spawned once"));
-    spawner.spawn(link::run(driver, link, link::Core { asks, answers, image }).expect("spawned once"));
+    boot::run(spawner, hardware, about, p.USB, Output::new(p.PIN_25, Level::Low));
     core::future::pending().await
 }
 
@@ -113,19 +86,4 @@ fn spi() -> embassy_rp::spi::Config {
     config.polarity = Polarity::IdleLow;
     config.phase = Phase::CaptureOnSecondTransition;
     config
-}
-
-fn identity(start: Start, enable_feedback: EnableFeedback, image: Image) -> Identity {
-    Identity {
-        board: Text::new("Raspberry Pi Pico, ADS8688, AD5761R"),
-        firmware: Text::new(concat!(env!("CARGO_PKG_VERSION"), " ", env!("SOCAM_COMMIT"))),
-        front_end: FrontEnd {
-            input_full_scale_uv: Ads8688::<Chip>::FULL_SCALE_UV,
-            output_full_scale_uv: Ad5761r::<Chip>::FULL_SCALE_UV,
-            channel_step_ns: CHANNEL_STEP_NS,
-        },
-        start,
-        enable_feedback,
-        image,
-    }
 }

@@ -9,7 +9,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use critical_section::Mutex;
 use embassy_rp::interrupt;
 use embassy_rp::pac;
-use socam_core::{Board, Fault, Refusal, Request, Status, conversions_per_sample};
+use socam_core::{Board, Fault, Layout, Refusal, Request, Status, conversions_per_sample};
 
 use crate::clock::Clocks;
 use crate::hardware::Hardware;
@@ -46,7 +46,7 @@ pub(crate) enum Ask {
 pub(crate) struct Answer {
     pub(crate) result: Result<(), Refusal>,
     pub(crate) status: Status,
-    pub(crate) channels: u8,
+    pub(crate) layout: Layout,
 }
 
 /// State and fault of the core for read-only use: the state's code plus 256 times the fault's.
@@ -204,8 +204,8 @@ impl Sampler {
             self.keep_pace();
         }
         self.tell_mood();
-        let channels = self.board.config().channel_count;
-        self.answers.put(Answer { result, status: self.board.status(), channels });
+        let layout = self.board.layout();
+        self.answers.put(Answer { result, status: self.board.status(), layout });
     }
 
     fn tell_mood(&self) {

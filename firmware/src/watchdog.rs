@@ -59,7 +59,7 @@ fn now_us() -> u32 {
 /// Disables the drive and resets the processor, which sets every line low.
 fn give_up() -> ! {
     cortex_m::interrupt::disable();
-    pac::SIO.gpio_oe(0).value_clr().write_value(1 << crate::ENABLE_PIN | 1 << crate::OUTPUT_RESET_PIN);
+    pac::SIO.gpio_oe(0).value_clr().write_value(crate::RELEASED);
     pac::WATCHDOG.scratch0().write_value(AT_WORK);
     pac::PSM.wdsel().write_value(pac::psm::regs::Wdsel(0x0001_fffc));
     pac::WATCHDOG.ctrl().modify(|ctrl| ctrl.set_trigger(true));

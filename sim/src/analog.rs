@@ -2,6 +2,7 @@
 
 use crate::SimError;
 use crate::bench::Bench;
+use crate::gearmotor::GearmotorPins;
 use crate::setup::Setup;
 
 /// Noise of one conversion over that of a sample, which is a triangular mean over two intervals of four conversions: one over
@@ -51,6 +52,14 @@ impl Analog<'_> {
     /// [`SimError::Solver`] when the simulation failed.
     pub fn voltages(&mut self, at_s: f64, volts: &mut [f64]) -> Result<(), SimError> {
         self.bench.voltages(at_s, volts)
+    }
+
+    /// Lets time pass up to `at_s` with a gearmotor's bridge at a duty of -1 to 1 (0 brakes), or off; `None` where the bench is no gearmotor.
+    ///
+    /// # Errors
+    /// [`SimError::Solver`] when the simulation failed.
+    pub fn bridge(&mut self, at_s: f64, duty: Option<f64>) -> Result<Option<GearmotorPins>, SimError> {
+        self.bench.bridge(at_s, duty)
     }
 }
 

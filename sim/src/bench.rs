@@ -1,11 +1,13 @@
 //! The bench behind a board's connectors: drive, drivetrain and sensors.
 
 use socam_core::scaling::Converter;
+use socam_core::{BoardKind, GearmotorChannel};
 use socam_recording::Channel;
 
 use crate::SimError;
 use crate::drive::{self, Drive};
 use crate::fault::{FaultyChannel, Instant};
+use crate::gearmotor::{Gearmotor, GearmotorPins, SupplyRows, VOLTAGE_ROW};
 use crate::plant::{Effort, Plant, Trajectory};
 use crate::sensors::Sensor;
 use crate::setup::{Plants, Setup};
@@ -53,7 +55,11 @@ pub(crate) struct Bench<'p> {
     converter: Converter,
     empty_bits: u8,
     inputs: Vec<Input>,
+    /// Encoders and supply, where the board is a gearmotor's.
+    gearmotor: Option<Gearmotor>,
+    /// Rows of the plant, then those of the supply.
     outputs: Vec<f64>,
+    supply: SupplyRows,
     /// Output row of the speed of each shaft on which a fault depends, and the shaft's angle, rad.
     shafts: Vec<(usize, f64)>,
     settles_at: f64,
@@ -78,12 +84,19 @@ impl<'p> Bench<'p> {
         let calibration = &setup.calibration;
         let first_shaft = 1 + model.outputs().count();
         let shafts = 0..setup.watched_nodes().len();
-        let outputs = first_shaft + shafts.len();
-        let inputs = calibration.channels.iter().zip(0u64..).map(|(channel, stream)| Input {
-            source: source(setup, &channel.channel),
-            faults: faults(setup, &channel.channel),
-            sensor: Sensor::new(channel, setup.seed, stream, setup.noise_std_of(channel)),
-        });
+        let is_gearmotor = calibration.board == BoardKind::Gearmotor;
+        // The rotor's speed is the last row of a gearmotor's plant.
+        let rotor = first_shaft + shafts.len();
+        let supply = SupplyRows::after(rotor + usize::from(is_gearmotor));
+        let outputs = supply.voltage + if is_gearmotor { 2 } else { 0 };
+        let gearmotor = is_gearmotor.then(|| Gearmotor::start(setup, rotor)).transpose()?;
+        let inputs =
+            calibration.channels.iter().zip(0u64..).enumerate().map(|(place, (channel, stream))| Input {
+                source: if is_gearmotor { electric(place, supply) } else { None }
+                    .unwrap_or_else(|| source(setup, &channel.channel)),
+                faults: faults(setup, &channel.channel),
+                sensor: Sensor::new(channel, setup.seed, stream, setup.noise_std_of(channel)),
+            });
         Ok(Self {
             trajectory: plants.before.as_ref().unwrap_or(&plants.truth).start()?,
             change: setup.before.as_ref().map(|(_, after_s)| Change {
@@ -98,6 +111,8 @@ impl<'p> Bench<'p> {
             },
             empty_bits: setup.empty_bits,
             inputs: inputs.collect(),
+            gearmotor,
+            supply,
             outputs: vec![0.0; outputs],
             shafts: shafts.map(|shaft| (first_shaft + shaft, 0.0)).collect(),
             settles_at: 0.0,
@@ -106,16 +121,20 @@ impl<'p> Bench<'p> {
         })
     }
 
-    /// Sets the drive's voltage; a disabled drive brakes to standstill.
+    /// Sets the drive's voltage; a disabled drive brakes to standstill, a disabled bridge lets its motor coast.
     pub(crate) fn command(&mut self, volts: f64, enabled: bool) {
         if let Some(change) = self.change.as_mut().filter(|_| enabled) {
             change.enabled_s.get_or_insert(self.trajectory.time_s());
         }
-        self.settles_at = if enabled { self.drive.settles_at(volts) } else { 0.0 };
+        self.settles_at = match &mut self.gearmotor {
+            Some(gearmotor) => gearmotor.command(volts, enabled, &self.outputs),
+            None if enabled => self.drive.settles_at(volts),
+            None => 0.0,
+        };
     }
 
     /// Simulates to `to_s` and samples all sensors, each as a mean, see [`CONVERSIONS`]. Channels without a sensor read 0.
-    pub(crate) fn sample(&mut self, to_s: f64, counts: &mut [i16]) -> Result<(), SimError> {
+    pub(crate) fn sample(&mut self, to_s: f64, counts: &mut [i32]) -> Result<(), SimError> {
         self.change_if_due()?;
         let from_s = self.trajectory.time_s();
         let step_s = to_s - from_s;
@@ -126,8 +145,15 @@ impl<'p> Bench<'p> {
             let share = f64::from(conversion) / f64::from(CONVERSIONS);
             let at_s = if conversion == CONVERSIONS { to_s } else { from_s + step_s * share };
             self.trajectory.hold(at_s, &[self.settles_at, 1.0])?;
-            self.trajectory.outputs(&mut self.outputs);
+            self.trajectory.outputs(&mut self.outputs[..self.supply.voltage]);
+            if let Some(gearmotor) = &mut self.gearmotor {
+                gearmotor.convert(at_s, &mut self.outputs, self.supply);
+                self.settles_at = gearmotor.applied(&self.outputs);
+            }
             for (row, value) in self.outputs.iter().enumerate() {
+                // A mean since the conversion before belongs to the middle of that time.
+                let is_mean = row == VOLTAGE_ROW && self.gearmotor.is_some();
+                let share = if is_mean { share - 0.5 / f64::from(CONVERSIONS) } else { share };
                 falling[row] += value * (1.0 - share) / f64::from(CONVERSIONS);
                 self.rising[row] += value * share / f64::from(CONVERSIONS);
             }
@@ -139,7 +165,10 @@ impl<'p> Bench<'p> {
         let (converter, empty_bits) = (self.converter, self.empty_bits);
         // The mean is centred on the previous sample: hum is evaluated there.
         for (count, volts) in counts.iter_mut().zip(self.read(from_s, step_s)) {
-            *count = converter.count(volts) << empty_bits;
+            *count = i32::from(converter.count(volts) << empty_bits);
+        }
+        if let Some(gearmotor) = &self.gearmotor {
+            gearmotor.read(counts);
         }
         Ok(())
     }
@@ -150,11 +179,31 @@ impl<'p> Bench<'p> {
         let step_s = to_s - self.read_at_s;
         self.read_at_s = to_s;
         self.pass(to_s)?;
-        self.trajectory.outputs(&mut self.outputs);
+        self.trajectory.outputs(&mut self.outputs[..self.supply.voltage]);
         let outputs = &self.outputs;
         self.shafts.iter_mut().for_each(|(row, angle_rad)| *angle_rad += outputs[*row] * step_s);
         volts.iter_mut().zip(self.read(to_s, step_s)).for_each(|(volts, now)| *volts = now);
         Ok(())
+    }
+
+    /// Simulates to `to_s` with a gearmotor's bridge at a duty, or off; `None` where the bench is no gearmotor.
+    pub(crate) fn bridge(&mut self, to_s: f64, duty: Option<f64>) -> Result<Option<GearmotorPins>, SimError> {
+        let Some(gearmotor) = &mut self.gearmotor else { return Ok(None) };
+        self.settles_at = gearmotor.bridge(duty, &self.outputs);
+        let from_s = self.trajectory.time_s();
+        self.pass(to_s)?;
+        self.trajectory.outputs(&mut self.outputs[..self.supply.voltage]);
+        let Some(gearmotor) = &mut self.gearmotor else { return Ok(None) };
+        gearmotor.load_supply(&mut self.outputs, self.supply);
+        let angles_rad = gearmotor.angles_rad(&self.outputs);
+        let read: Vec<f64> = self.read(to_s, to_s - from_s).collect();
+        let volts = [
+            GearmotorChannel::MotorCurrent,
+            GearmotorChannel::SupplyCurrent,
+            GearmotorChannel::SupplyVoltage,
+        ]
+        .map(|channel| read.get(channel.index()).copied().unwrap_or(0.0));
+        Ok(Some(GearmotorPins { angles_rad, volts }))
     }
 
     /// Simulates to `to_s`.
@@ -189,6 +238,11 @@ impl<'p> Bench<'p> {
         })
     }
 
+    /// The digital inputs since the last call.
+    pub(crate) fn inputs(&mut self) -> u8 {
+        self.gearmotor.as_mut().map_or(0, Gearmotor::inputs)
+    }
+
     pub(crate) fn effort(&self) -> Effort {
         self.trajectory.effort()
     }
@@ -210,6 +264,17 @@ fn faults(setup: &Setup, channel: &Channel) -> Vec<(FaultyChannel, Option<usize>
         .filter(|(name, ..)| is_here(name))
         .map(|(_, fault, shaft)| (FaultyChannel::new(fault.clone()), shaft))
         .collect()
+}
+
+/// What a gearmotor board measures of bridge and supply, at its place among the channels.
+fn electric(place: usize, supply: SupplyRows) -> Option<Source> {
+    let at = |row| Some(Source::Output { row, scale: 1.0, offset: 0.0 });
+    match place {
+        place if place == GearmotorChannel::SupplyCurrent.index() => at(supply.current),
+        place if place == GearmotorChannel::SupplyVoltage.index() => at(supply.voltage),
+        place if place == GearmotorChannel::MotorVoltage.index() => at(0),
+        _ => None,
+    }
 }
 
 fn source(setup: &Setup, channel: &Channel) -> Source {

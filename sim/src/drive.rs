@@ -14,6 +14,9 @@ const ARMATURE_LAG_S: f64 = 2e-3;
 /// Time constant of a current loop: much shorter than those of the mechanics.
 const TORQUE_LAG_S: f64 = 0.5e-3;
 
+/// Time constant of an H-bridge that is modulated at 20 kHz, twice in series.
+const BRIDGE_LAG_S: f64 = 25e-6;
+
 /// Time constant of a reference generator: long enough not to excite a stiff servo at every sample.
 const REFERENCE_LAG_S: f64 = 5e-3;
 
@@ -69,6 +72,17 @@ impl Drive {
         }
     }
 
+    /// An H-bridge: its average voltage follows the command within a period of its modulation.
+    pub fn bridge() -> Self {
+        Self {
+            answer: Answer::Proportional(1.0),
+            lag_s: BRIDGE_LAG_S,
+            armature_lag_s: BRIDGE_LAG_S,
+            droop: 0.0,
+            torque_per_current: TORQUE_PER_CURRENT,
+        }
+    }
+
     /// Steady driven quantity at a voltage, SI.
     pub fn settles_at(&self, volts: f64) -> f64 {
         match self.answer {
@@ -76,6 +90,12 @@ impl Drive {
             Answer::Proportional(gain) => gain * volts,
         }
     }
+}
+
+/// The motor whose voltage a model's first input is.
+pub(crate) fn driven_motor(model: &Model) -> Option<usize> {
+    let driven = &model.inputs().next()?.at;
+    model.motors.iter().position(|motor| motor.name == *driven)
 }
 
 /// The drivetrain with its drive, as one system. Inputs: the steady driven quantity, and a constant 1 that the clocks integrate.

@@ -24,7 +24,7 @@ impl Setup {
         period_us: u32,
     ) -> Result<Dataset, SimError> {
         let plants = self.plants()?;
-        let mut ring = Ring::<RING_SAMPLES>::new();
+        let mut ring = Ring::<i32, RING_SAMPLES>::new();
         let (producer, mut samples) = ring.split();
         let mut board = Board::new(Wiring::start(self, &plants)?, producer);
         // The first tick after power-on is not part of the run.

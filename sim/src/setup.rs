@@ -1,11 +1,12 @@
 //! The settings of a simulated bench: drivetrain, drive, sensors and noise.
 
 use socam_core::scaling::Converter;
+use socam_core::{BoardKind, GearmotorChannel};
 use socam_model::{Channel as ModelChannel, ChannelTransform, Model, Quantity, Role};
-use socam_recording::{CalibratedChannel, Calibration, Channel, Unit};
+use socam_recording::{CalibratedChannel, Calibration, Channel, Unit, Winding};
 
 use crate::channel::plain_channel;
-use crate::drive::{self, Drive};
+use crate::drive::{self, Drive, driven_motor};
 use crate::plant::Plant;
 use crate::sensors::noise_std;
 use crate::{SimError, Truth};
@@ -46,7 +47,10 @@ pub(crate) struct Plants {
 impl Setup {
     /// A bench with the default drive for the model, and with noise.
     pub fn new(truth: Truth, calibration: Calibration, seed: u64) -> Self {
-        let drive = Drive::for_model(&truth.model, &calibration.motor);
+        let drive = match calibration.board {
+            BoardKind::Analog => Drive::for_model(&truth.model, &calibration.motor),
+            BoardKind::Gearmotor => Drive::bridge(),
+        };
         Self {
             truth,
             before: None,
@@ -61,7 +65,9 @@ impl Setup {
 
     /// Standard deviation of the noise of a channel's sensor, SI.
     pub(crate) fn noise_std_of(&self, channel: &CalibratedChannel) -> f64 {
-        if !self.noisy {
+        let is_computed = self.calibration.board == BoardKind::Gearmotor
+            && self.calibration.channels.get(GearmotorChannel::MotorVoltage.index()) == Some(channel);
+        if !self.noisy || is_computed {
             return 0.0;
         }
         let own = self.noise_std.iter().find(|(name, _)| *name == channel.channel.name);
@@ -131,7 +137,7 @@ impl Setup {
         Plant::from_equations(&driven, values, model.motion)
     }
 
-    /// The model with a tachometer on each of [`Self::watched_nodes`].
+    /// The model with a tachometer on each of [`Self::watched_nodes`], and on a gearmotor's rotor.
     fn watched_model(&self, model: &Model) -> Model {
         let mut model = model.clone();
         let tachometers = self.watched_nodes().into_iter().map(|node| {
@@ -139,6 +145,12 @@ impl Setup {
             plain_channel(Role::Output, Quantity::Speed, name, String::new(), node)
         });
         model.channels.extend(tachometers);
+        let rotor = driven_motor(&model).filter(|_| self.calibration.board == BoardKind::Gearmotor);
+        if let Some(motor) = rotor {
+            let node = model.nodes[model.motors[motor].node].name.clone();
+            let name = format!("rotor {node}");
+            model.channels.push(plain_channel(Role::Output, Quantity::Speed, name, String::new(), node));
+        }
         model
     }
 
@@ -152,14 +164,17 @@ impl Setup {
     }
 }
 
-/// A calibration for a model's bench: the default one where it measures all the model's channels, else one sensor per channel with
-/// a default range for its quantity.
+/// A calibration for a model's bench: the default one where it measures all the model's channels, that of a gearmotor board where the model is
+/// driven by the column `motor_voltage_V` of that board, else one sensor per channel with a default range for its quantity.
 pub fn calibration_for(model: &Model) -> Calibration {
     let usual = Calibration::default();
     let is_usual =
         |channel: &ModelChannel| usual.channels.iter().any(|c| c.channel.column_name() == channel.column);
     if model.channels.iter().all(is_usual) {
         return usual;
+    }
+    if let Some(calibration) = gearmotor_calibration(model) {
+        return calibration;
     }
     let mut channels: Vec<_> = model.inputs().chain(model.outputs()).filter_map(plain_sensor).collect();
     let tachometer = channels.iter().find(|channel| channel.channel.unit == Unit::RadPerS);
@@ -170,6 +185,23 @@ pub fn calibration_for(model: &Model) -> Calibration {
     let mut calibration = Calibration { channels, ..usual };
     calibration.speed_control.tachometer = tachometer.unwrap_or_else(|| NO_TACHOMETER.into());
     calibration
+}
+
+/// The default calibration of a gearmotor board, with the model's winding.
+fn gearmotor_calibration(model: &Model) -> Option<Calibration> {
+    let mut calibration = Calibration::parse(Calibration::gearmotor_text()).ok()?;
+    let motor = &model.motors[driven_motor(model)?];
+    let column = calibration.channels.get(GearmotorChannel::MotorVoltage.index())?.channel.column_name();
+    if model.inputs().next()?.column != column {
+        return None;
+    }
+    let value = |parameter: usize| model.parameters[parameter].value;
+    calibration.winding = calibration.winding.map(|winding| Winding {
+        resistance_ohm: value(motor.resistance),
+        back_emf_v_s: value(motor.back_emf),
+        ..winding
+    });
+    Some(calibration)
 }
 
 fn plain_sensor(channel: &ModelChannel) -> Option<CalibratedChannel> {
@@ -191,6 +223,7 @@ fn sensor(channel: Channel, full_scale: f64) -> CalibratedChannel {
     CalibratedChannel {
         channel,
         sensor: socam_core::scaling::Sensor { volts_per_unit, offset_v: 0.0 },
+        counts_per_turn: None,
         limit: None,
         stuck_s: None,
         missing_below: None,

@@ -24,7 +24,7 @@ const STATUS_EVERY_US: u64 = 200_000;
 /// out.
 pub struct VirtualBoard<'b> {
     board: Board<'b, Wiring<'b>, RING_SAMPLES>,
-    link: BoardLink<'b, RING_SAMPLES>,
+    link: BoardLink<'b, i32, RING_SAMPLES>,
     next_tick_us: u64,
     sent_us: u64,
     status_us: u64,
@@ -38,13 +38,14 @@ impl VirtualBoard<'_> {
     /// [`SimError`] where the bench cannot be built.
     pub fn run<T>(setup: &Setup, serve: impl FnOnce(&mut VirtualBoard<'_>) -> T) -> Result<T, SimError> {
         let plants = setup.plants()?;
-        let mut ring = Ring::<RING_SAMPLES>::new();
+        let mut ring = Ring::<i32, RING_SAMPLES>::new();
         let (producer, consumer) = ring.split();
         let wiring = Wiring::start(setup, &plants)?;
         let identity = Identity {
             board: Text::new(&format!("virtual bench {}", setup.truth.model.name)),
             firmware: Text::new(concat!("socam-sim ", env!("CARGO_PKG_VERSION"))),
             front_end: FrontEnd {
+                kind: setup.calibration.board,
                 input_full_scale_uv: full_scale_uv(&setup.calibration.input),
                 output_full_scale_uv: full_scale_uv(&setup.calibration.output),
                 channel_step_ns: 0,
@@ -110,12 +111,12 @@ impl VirtualBoard<'_> {
     fn send(&mut self, out: &mut Vec<u8>) {
         let mut frame = [0; MAX_FRAME];
         let now_us = self.now_us();
-        let channels = self.board.config().channel_count;
+        let layout = self.board.layout();
         let status = self.board.status();
         let changed = status.state != self.told;
         let waited = now_us - self.sent_us >= LATEST_SEND_US;
         let at_least = if waited || changed { 1 } else { BATCH_SAMPLES };
-        while let Some(len) = self.link.samples(channels, at_least, &mut frame) {
+        while let Some(len) = self.link.samples(layout, at_least, &mut frame) {
             out.extend_from_slice(&frame[..len]);
             self.sent_us = now_us;
         }

@@ -43,11 +43,16 @@ impl<'b> Wiring<'b> {
 }
 
 impl Ports for Wiring<'_> {
+    /// Either kind of board.
+    type Count = i32;
+
+    const WATCHES_MOTOR: bool = true;
+
     fn now_us(&mut self) -> u64 {
         self.now_us
     }
 
-    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {
+    fn read(&mut self, counts: &mut [i32]) -> Result<(), ConverterSilent> {
         let read = self.bench.sample(self.now_us as f64 * 1e-6, counts);
         read.map_err(|error| {
             self.failure.get_or_insert(error);
@@ -59,6 +64,10 @@ impl Ports for Wiring<'_> {
         self.command_v = self.calibration.output.volts(count);
         self.bench.command(self.command_v, self.enabled);
         Ok(())
+    }
+
+    fn inputs(&mut self) -> u8 {
+        self.bench.inputs()
     }
 
     fn enable(&mut self, on: bool) {

@@ -135,7 +135,7 @@ fn a_silent_host_and_a_stop_end_the_run() {
 
 #[test]
 fn benches_without_a_shaft_run_too() {
-    for model in ["two-mass", "emps", "emps-loop"] {
+    for model in ["two-mass", "emps", "emps-loop", "gearmotor"] {
         let samples = record(model, "triangle", 1000, 2, 3);
         assert!(samples.iter().any(|sample| sample.counts[1] != 0), "{model}");
     }

@@ -20,9 +20,7 @@ export class Board {
     this.flash = flash;
     this.damaged = [];
     this.heard = heard;
-    this.bench = new Bench();
-    this.input = new Ads8688((channel) => this.bench.voltage(this.seconds, channel));
-    this.output = new Ad5761r(() => this.commanded());
+    this.create();
     this.stopClosed = true;
     this.plugged = true;
     // Where the enable line is held: at the Pico's pad, and at the drive.
@@ -35,6 +33,34 @@ export class Board {
     this.plans = [];
     this.epochNs = 0;
     this.boot(Cause.POWER);
+  }
+
+  /** What is on the board beside the chip, and what it is wired to. */
+  create() {
+    this.bench = new Bench();
+    this.input = new Ads8688((channel) => this.bench.voltage(this.seconds, channel));
+    this.output = new Ad5761r(() => this.commanded());
+  }
+
+  /** Connects it to a chip that starts. */
+  attach(cause) {
+    if (cause === Cause.POWER || cause === Cause.BROWN_OUT) {
+      this.input.reset();
+      this.output.reset();
+    }
+    const { rp2040 } = this.chip;
+    rp2040.spi[0].chip = this.input;
+    rp2040.spi[1].chip = this.output;
+  }
+
+  /** Lines that only this board has. */
+  wires() {
+    this.wire(PIN.inputSelect, (high) => this.select(this.input, high));
+    this.wire(PIN.outputSelect, (high) => {
+      this.output.select(!high);
+      this.writes = (this.writes ?? 0) + (high ? 1 : 0);
+    });
+    this.wire(PIN.outputReset, () => this.lines());
   }
 
   get nanos() {
@@ -50,21 +76,11 @@ export class Board {
     if (this.chip) this.epochNs += this.chip.nanos;
     this.chip = new Chip(this.flash, cause, this.chip);
     for (const offset of this.damaged) this.chip.rp2040.flash[offset] ^= FLASH_XOR;
-    if (cause === Cause.POWER || cause === Cause.BROWN_OUT) {
-      this.input.reset();
-      this.output.reset();
-    }
+    this.attach(cause);
     const { rp2040 } = this.chip;
-    rp2040.spi[0].chip = this.input;
-    rp2040.spi[1].chip = this.output;
     this.usb = new UsbHost(this.chip, (bytes) => this.said(bytes));
     this.lines();
-    this.wire(PIN.inputSelect, (high) => this.select(this.input, high));
-    this.wire(PIN.outputSelect, (high) => {
-      this.output.select(!high);
-      this.writes = (this.writes ?? 0) + (high ? 1 : 0);
-    });
-    this.wire(PIN.outputReset, () => this.lines());
+    this.wires();
     this.wire(PIN.enable, () => this.lines());
     const guard = this.chip.clock.createAlarm(() => this.guard(false));
     this.wire(PIN.alive, () => {
@@ -89,12 +105,17 @@ export class Board {
     return outputEnable && outputValue;
   }
 
-  /** The emergency stop's two contacts: one in the drive's enable line, one in the output converter's reset line. */
-  lines() {
+  /** The emergency stop's second contact, in the output converter's reset line. */
+  release() {
     const released = this.stopClosed && this.isHigh(PIN.outputReset);
     if (released) this.output.release();
     else this.output.reset();
     this.chip.rp2040.gpio[PIN.stop].setInputValue(released);
+  }
+
+  /** The emergency stop's two contacts; the first one is in the drive's enable line. */
+  lines() {
+    this.release();
     const pad = this.padHeld ?? this.isHigh(PIN.enable);
     const guarded = !this.hasGuard || this.isAlive;
     const enabled = this.driveHeld ?? (this.stopClosed && pad && guarded);

@@ -1,4 +1,4 @@
-// `node main.mjs FIRMWARE.elf [FLASHED.uf2]`: the board behind two TCP ports of this machine, which it prints on standard error. On the first one a
+// `node main.mjs [gearmotor] FIRMWARE.elf [FLASHED.uf2]`: the board behind two TCP ports of this machine, which it prints on standard error. On the first one a
 // host talks to it as over USB; on the second one a test asks and does things, a line of JSON each way. Standard input and output
 // belong to the bench (bench.mjs).
 //
@@ -10,15 +10,19 @@ import { createInterface } from 'node:readline';
 import { Board } from './board.mjs';
 import { damage } from './damage.mjs';
 import { Flips } from './flips.mjs';
+import { GearmotorBoard } from './gearmotor.mjs';
 
 const TURN_NS = 2_000_000;
 // Well before the board misses its host.
 const LEAD_NS = 200_000_000;
+const ENUMERATED_NS = 400_000_000;
 
 const state = { host: null, heardNs: 0, patient: true, toBoard: damage(), toHost: damage(), owed: [], keep: false, said: [] };
 
-const [image, flashed] = process.argv.slice(2).map((file) => readFileSync(file));
-const board = new Board(image, flashed ?? image, (bytes) => {
+const isGearmotor = process.argv[2] === 'gearmotor';
+const Kind = isGearmotor ? GearmotorBoard : Board;
+const [image, flashed] = process.argv.slice(isGearmotor ? 3 : 2).map((file) => readFileSync(file));
+const board = new Kind(image, flashed ?? image, (bytes) => {
   if (state.keep) state.said.push(Buffer.from(bytes));
   if (state.host && !state.host.destroyed) state.host.write(state.toHost.pass(bytes));
 });
@@ -105,6 +109,9 @@ function turn() {
 // Whoever started it is gone.
 const parent = process.ppid;
 setInterval(() => process.ppid === parent || process.exit(), 1000);
+
+// It runs slower than time: it has enumerated before a host waits for it.
+if (isGearmotor) board.runFor(ENUMERATED_NS);
 
 link.listen(0, '127.0.0.1', () => {
   control.listen(0, '127.0.0.1', () => {

@@ -13,7 +13,7 @@ use std::thread::JoinHandle;
 use serde_json::{Value, json};
 use socam_model::Model;
 use socam_recording::Calibration;
-use socam_sim::{Analog, Setup, Truth};
+use socam_sim::{Analog, Setup, Truth, calibration_for};
 
 use crate::firmware;
 
@@ -30,8 +30,12 @@ pub const FILTERS: [&str; 8] = [
     "sensor_lag@torque_out:time_constant=1.0805e-4",
 ];
 
-/// Bytes of a question or command of the emulator: its kind, a time, a voltage, whether the drive is enabled.
+/// Bytes of a question or command of the emulator: its kind, a time, a voltage or a bridge's duty, whether the drive is enabled or a number of
+/// periods.
 const MESSAGE: usize = 25;
+
+/// Period of a gearmotor's bridge.
+const BRIDGE_PERIOD_S: f64 = 50e-6;
 
 /// The default bench with something hidden in it, as after `--hide`.
 ///
@@ -42,6 +46,19 @@ pub fn bench(hidden: &[&str], seed: u64) -> Setup {
     let hidden: Vec<_> = hidden.iter().map(|text| text.parse().expect("a concealed effect")).collect();
     let model = Model::builtin("speed-o-cam").expect("the default model");
     Setup::new(Truth::new(&model, &[], &hidden).expect("the bench is sound"), Calibration::default(), seed)
+}
+
+/// The default gearmotor with something hidden in it.
+///
+/// # Panics
+/// When it cannot be built.
+#[must_use]
+pub fn gearmotor(hidden: &[&str], seed: u64) -> Setup {
+    let hidden: Vec<_> = hidden.iter().map(|text| text.parse().expect("a concealed effect")).collect();
+    let model = Model::builtin("gearmotor").expect("the gearmotor");
+    let truth = Truth::new(&model, &[], &hidden).expect("the bench is sound");
+    let calibration = calibration_for(&truth.model);
+    Setup::new(truth, calibration, seed)
 }
 
 /// A running board.
@@ -61,7 +78,7 @@ impl Emulator {
     /// # Panics
     /// When the emulator does not start.
     pub fn start(setup: Setup) -> Option<Self> {
-        Self::launch(setup, None)
+        Self::launch(setup, firmware::image()?, &[])
     }
 
     /// Starts the emulator with an image that `socam-host flash` has made.
@@ -69,16 +86,23 @@ impl Emulator {
     /// # Panics
     /// When the emulator does not start.
     pub fn start_flashed(setup: Setup, uf2: &Path) -> Option<Self> {
-        Self::launch(setup, Some(uf2))
+        Self::launch(setup, firmware::image()?, &[uf2])
     }
 
-    fn launch(setup: Setup, flashed: Option<&Path>) -> Option<Self> {
-        let image = firmware::image()?;
+    /// The gearmotor board at a gearmotor, switched on, likewise.
+    ///
+    /// # Panics
+    /// When the emulator does not start.
+    pub fn start_gearmotor(setup: Setup) -> Option<Self> {
+        Self::launch(setup, Path::new("gearmotor"), &[firmware::gearmotor()?])
+    }
+
+    fn launch(setup: Setup, first: &Path, more: &[&Path]) -> Option<Self> {
         let program = program()?;
         let mut node = Command::new("node")
             .arg(program.join("main.mjs"))
-            .arg(image)
-            .args(flashed)
+            .arg(first)
+            .args(more)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -174,6 +198,22 @@ fn serve(setup: &Setup, mut questions: ChildStdout, mut answers: ChildStdin) {
         while questions.read_exact(&mut message).is_ok() {
             let number = |at: usize| f64::from_le_bytes(std::array::from_fn(|i| message[at + i]));
             let (at_s, command_v, is_enabled) = (number(1), number(9), number(17) != 0.0);
+            if message[0] == b'g' {
+                // Several periods at a duty; negative where the bridge is off.
+                let periods = number(17);
+                let duty = (periods > 0.0).then_some(command_v);
+                let mut reply = Vec::new();
+                for period in 0..periods.abs() as u32 {
+                    let at_s = at_s + f64::from(period) * BRIDGE_PERIOD_S;
+                    let pins = bench.bridge(at_s, duty).expect("the bench goes on").expect("a gearmotor");
+                    let numbers = pins.angles_rad.iter().chain(&pins.volts);
+                    reply.extend(numbers.flat_map(|number| number.to_le_bytes()));
+                }
+                if answers.write_all(&reply).is_err() {
+                    break;
+                }
+                continue;
+            }
             if message[0] == b'c' {
                 bench.command(at_s, command_v, is_enabled).expect("the bench goes on");
                 continue;

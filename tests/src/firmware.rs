@@ -27,6 +27,15 @@ pub fn image() -> Option<&'static Path> {
     IMAGE.get_or_init(|| build(&[], "socam-firmware")).as_deref()
 }
 
+/// The gearmotor board's image, likewise.
+///
+/// # Panics
+/// When it does not build.
+pub fn gearmotor() -> Option<&'static Path> {
+    static IMAGE: OnceLock<Option<PathBuf>> = OnceLock::new();
+    IMAGE.get_or_init(|| build(&[], "socam-gearmotor")).as_deref()
+}
+
 /// The program that runs the core's exercises (`firmware/examples/core_on_board`), likewise.
 ///
 /// # Panics

@@ -52,9 +52,10 @@ impl Host {
 }
 
 /// More than two for each bit to flip.
-const HEARTBEATS: usize = 2500;
+const HEARTBEATS: usize = 4000;
 
-/// The words that the output depends on, and those of limits.
+/// The words that the output depends on, and those of limits and of times until a sensor counts as stuck, each of which has a word in front that says
+/// that there is one.
 fn words(config: &Config) -> [Vec<u32>; 2] {
     let halves = |value: i64| [value as u32, (value >> 32) as u32];
     let speed = &config.speed;
@@ -68,8 +69,10 @@ fn words(config: &Config) -> [Vec<u32>; 2] {
     for channel in config.used_channels() {
         words.extend(halves(channel.scale.micro_per_count_q16));
     }
-    let limits = config.used_channels().iter().filter_map(|channel| channel.limit_micro);
-    let limits = limits.map(|limit| limit as u32).collect();
+    let channels = config.used_channels().iter();
+    let limits =
+        channels.flat_map(|channel| [channel.limit_micro.map(|limit| limit as u32), channel.stuck_after_us]);
+    let limits = limits.flatten().collect();
     // Zeros are everywhere.
     words.retain(|word| *word != 0);
     [words, limits]
@@ -124,5 +127,6 @@ fn no_bit_that_flips_in_the_configuration_moves_the_bench() {
     // Bits that are noticed are so before the next voltage is computed.
     assert!(outcome["peakV"].as_f64().unwrap() <= 0.601, "{outcome}");
     let [words, off] = ["words", "off"].map(|count| outcome[count].as_u64().unwrap());
-    assert!(words >= 34 && off >= 27 * 32, "{outcome}");
+    // Some of the words are what moved values left behind, also in what is none now: only the compiler says how many. These are all that count.
+    assert!(words >= 34 && off >= 35 * 32, "{outcome}");
 }

@@ -41,6 +41,9 @@ mod fleet;
 #[cfg(feature = "full")]
 mod foxglove;
 mod frequency;
+mod gearmotor;
+#[cfg(feature = "full")]
+mod gearmotor_board;
 mod identify;
 mod import;
 #[cfg(feature = "full")]

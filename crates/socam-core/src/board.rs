@@ -2,17 +2,20 @@
 
 mod requests;
 
-use crate::config::{Config, MAX_CHANNELS};
+use crate::config::Config;
 use crate::fixed;
+use crate::layout::{Layout, MAX_CHANNELS};
+use crate::motor_check::MotorCheck;
 use crate::ports::{ConverterSilent, Ports};
 use crate::profile::{Command, Generator, Profile, Setpoint};
 use crate::ring::Producer;
-use crate::safety::{State, Watch};
+use crate::safety::Watch;
 use crate::schedule::Schedule;
 use crate::sealed::Sealed;
+use crate::state::State;
 use crate::status::Status;
 use crate::velocity::SpeedLoop;
-use crate::{Fault, Flags, Sample};
+use crate::{Count, Fault, Flags, Sample};
 
 /// A board with hardware `P` and a ring of `N` samples to its sender.
 ///
@@ -20,14 +23,15 @@ use crate::{Fault, Flags, Sample};
 /// host's requests. Both need exclusive access for microseconds only. After a granted [`Request::Configure`](crate::Request::Configure) the caller sets its timer
 /// to the new [`Config::sample_period_us`].
 #[derive(Debug)]
-pub struct Board<'r, P, const N: usize> {
+pub struct Board<'r, P: Ports, const N: usize> {
     ports: P,
-    samples: Producer<'r, N>,
+    samples: Producer<'r, P::Count, N>,
     config: Sealed<Config>,
     state: Sealed<State>,
     fault: Option<Fault>,
     schedule: Schedule,
-    watch: Watch,
+    watch: Watch<P::Count>,
+    motor: MotorCheck,
     loaded: Sealed<Option<Profile>>,
     generator: Option<Generator>,
     /// The next setpoint, where [`prepare`](Self::prepare) has computed it.
@@ -49,7 +53,7 @@ pub struct Board<'r, P, const N: usize> {
 
 impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
     /// A board that is idle, at 0 V and disabled, with the default bench's configuration.
-    pub fn new(mut ports: P, samples: Producer<'r, N>) -> Self {
+    pub fn new(mut ports: P, samples: Producer<'r, P::Count, N>) -> Self {
         let config = Config::default();
         ports.enable(false);
         // If the output does not answer now, the first tick latches the fault.
@@ -62,6 +66,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             fault: None,
             schedule: Schedule::new(config.sample_period_us),
             watch: Watch::new(&config),
+            motor: MotorCheck::default(),
             loaded: Sealed::new(None),
             generator: None,
             ahead: None,
@@ -94,11 +99,11 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             self.cut(Fault::Corrupted);
         }
 
-        let mut counts = [0; MAX_CHANNELS];
+        let mut counts = [P::Count::default(); MAX_CHANNELS];
         let used = counts.get_mut(..usize::from(self.config().channel_count)).unwrap_or_default();
         let read = self.ports.read(used);
         if read.is_err() {
-            counts = [0; MAX_CHANNELS];
+            counts = [P::Count::default(); MAX_CHANNELS];
         }
 
         let cause = match read {
@@ -114,11 +119,15 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         self.drive();
 
         if self.streaming {
+            let inputs = self.ports.inputs();
+            let [first, second] = Flags::INPUTS;
             let limited = setpoint.limited || clamped;
             let flags = Flags::new(self.state())
                 .with(Flags::LIMITED, limited)
                 .with(Flags::OVERRUN, missed > 0)
-                .with(Flags::NO_READING, read.is_err());
+                .with(Flags::NO_READING, read.is_err())
+                .with(first, inputs & 1 != 0)
+                .with(second, inputs & 2 != 0);
             self.samples.push(&Sample {
                 tick: self.schedule.tick(),
                 seq: self.seq,
@@ -160,6 +169,12 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         self.config.get()
     }
 
+    /// Number and widths of a sample's channels.
+    pub fn layout(&self) -> Layout {
+        let config = self.config();
+        if P::Count::MAY_BE_WIDE { config.layout() } else { Layout::narrow(config.channel_count) }
+    }
+
     fn state(&self) -> State {
         *self.state.get()
     }
@@ -181,7 +196,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
     }
 
     /// The reason to cut the output now, if there is one.
-    fn cause(&mut self, now_us: u64, counts: &[i16; MAX_CHANNELS]) -> Option<Fault> {
+    fn cause(&mut self, now_us: u64, counts: &[P::Count; MAX_CHANNELS]) -> Option<Fault> {
         if !self.state().is_watched() {
             return None;
         }
@@ -199,8 +214,12 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
         if self.state().is_live() && now_us.saturating_sub(self.began_us) > limit_us {
             return Some(Fault::RunTooLong { limit_us });
         }
-        let ports = &mut self.ports;
-        self.watch.check(self.config.get(), counts, self.output_uv, |channel| ports.repeated(channel))
+        let (ports, config) = (&mut self.ports, self.config.get());
+        let found = self.watch.check(config, counts, self.output_uv, |channel| ports.repeated(channel));
+        if P::WATCHES_MOTOR && found.is_none() {
+            return self.motor.check(config, counts);
+        }
+        found
     }
 
     /// Enters the fault state; the first cause stays. The caller drives the output afterwards.
@@ -231,7 +250,7 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
     }
 
     /// Converts the setpoint to the output voltage; returns whether the clamp changed it.
-    fn command(&mut self, setpoint: &Setpoint, counts: &[i16; MAX_CHANNELS]) -> bool {
+    fn command(&mut self, setpoint: &Setpoint, counts: &[P::Count; MAX_CHANNELS]) -> bool {
         if !self.state().is_live() {
             self.output_uv = 0;
             return false;
@@ -243,9 +262,9 @@ impl<'r, P: Ports, const N: usize> Board<'r, P, N> {
             Command::Voltage => setpoint.value_micro,
             Command::SpeedOpenLoop => config.speed.motor.voltage_uv(setpoint.value_micro),
             Command::SpeedClosedLoop => {
-                let measured = counts.get(usize::from(config.speed.tachometer)).copied().unwrap_or(0);
+                let measured = counts.get(usize::from(config.speed.tachometer)).copied().unwrap_or_default();
                 let measured_urad_s =
-                    config.tachometer().map_or(0, |channel| channel.scale.value_micro(measured));
+                    config.tachometer().map_or(0, |channel| channel.scale.value_micro(measured.into()));
                 self.speed_loop.step(&config.speed, setpoint.value_micro, measured_urad_s, clamp_uv)
             }
         };

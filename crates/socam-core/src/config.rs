@@ -1,14 +1,14 @@
 //! The bench's configuration on the board: scales, limits, timing. Integers only; the host makes it from a calibration.
 
+mod checks;
 mod error;
 
 pub use error::ConfigError;
 
-use crate::ceilings::Ceilings;
+use crate::count::Count;
+use crate::layout::{Layout, MAX_CHANNELS};
+use crate::motor_watch::MotorWatch;
 use crate::scaling::{self, Converter, MotorCalibration, MotorLine, Scale, Sensor};
-
-/// Most converter channels that a board can sample.
-pub const MAX_CHANNELS: usize = 8;
 
 /// The configuration of a board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -32,6 +32,8 @@ pub struct Config {
     pub moving_uv: i32,
     /// Longest time of a missing signal while the bench is expected to move, see [`Channel::missing_below_micro`].
     pub missing_after_us: u32,
+    /// The motor that is compared with its encoder, if there is one.
+    pub motor: Option<MotorWatch>,
 }
 
 /// One input channel. "Micro" is a millionth of its SI unit.
@@ -61,8 +63,26 @@ pub enum ChannelKind {
     Speed,
     /// N m.
     Torque,
-    /// Anything else (V, A, ...).
+    /// Anything else (V, K, ...).
     Other,
+    /// A.
+    Current,
+    /// rad, of an encoder.
+    EncoderAngle,
+    /// rad/s, of an encoder.
+    EncoderSpeed,
+}
+
+impl ChannelKind {
+    /// Whether its counts need 32 bits.
+    pub fn is_wide(self) -> bool {
+        matches!(self, Self::EncoderAngle | Self::EncoderSpeed)
+    }
+
+    /// Whether a speed loop can use it.
+    fn is_speed(self) -> bool {
+        matches!(self, Self::Speed | Self::EncoderSpeed)
+    }
 }
 
 /// The command output.
@@ -141,6 +161,7 @@ impl Default for Config {
             confirm_samples: 1,
             moving_uv: 500_000,
             missing_after_us: 500_000,
+            motor: None,
         }
     }
 }
@@ -170,82 +191,20 @@ impl Config {
         self.channels.get(..usize::from(self.channel_count)).unwrap_or(&self.channels)
     }
 
+    /// Number and widths of the channels.
+    pub fn layout(&self) -> Layout {
+        Layout::of(self.used_channels().iter().map(|channel| channel.kind.is_wide()))
+    }
+
+    /// Value of a channel, in millionths of its unit.
+    pub(crate) fn value_micro<C: Count>(&self, index: u8, counts: &[C; MAX_CHANNELS]) -> i32 {
+        let channel = self.channels.get(usize::from(index)).zip(counts.get(usize::from(index)));
+        channel.map_or(0, |(channel, count)| channel.scale.value_micro((*count).into()))
+    }
+
     /// The tachometer of the speed control.
     pub(crate) fn tachometer(&self) -> Option<&Channel> {
         self.used_channels().get(usize::from(self.speed.tachometer))
-    }
-
-    /// Whether a board can run with this.
-    pub fn check(&self) -> Result<(), ConfigError> {
-        if !(50..=1_000_000).contains(&self.sample_period_us) {
-            return Err(ConfigError::SamplePeriod(self.sample_period_us));
-        }
-        if !(1..=MAX_CHANNELS).contains(&usize::from(self.channel_count)) {
-            return Err(ConfigError::ChannelCount(self.channel_count));
-        }
-        for (i, channel) in (0u8..).zip(self.used_channels()) {
-            if !channel.is_sound() {
-                return Err(ConfigError::Channel(i));
-            }
-        }
-        let output = &self.output;
-        // Up to 2^30: a full scale of 131 mV at 16 bits.
-        if output.clamp_uv <= 0
-            || !(1..=1 << 30).contains(&output.counts_per_uv_q32)
-            || output.count(output.clamp_uv) == i16::MAX
-        {
-            return Err(ConfigError::Output);
-        }
-        if !self.speed.is_sound(self.sample_period_us)
-            || self.tachometer().is_none_or(|channel| channel.kind != ChannelKind::Speed)
-        {
-            return Err(ConfigError::SpeedControl);
-        }
-        if !(10_000..=10_000_000).contains(&self.host_timeout_us) {
-            return Err(ConfigError::HostTimeout(self.host_timeout_us));
-        }
-        if self.confirm_samples == 0 || self.moving_uv < 0 {
-            return Err(ConfigError::Watch);
-        }
-        if !self.used_channels().iter().any(Channel::is_watched) {
-            return Err(ConfigError::NoLimits);
-        }
-        Ok(())
-    }
-
-    /// Whether a board with these ceilings can run with this.
-    pub(crate) fn check_below(&self, ceilings: &Ceilings) -> Result<(), ConfigError> {
-        self.check()?;
-        let Ceilings { output_uv: ceiling_uv, .. } = *ceilings;
-        let (shortest_us, longest_us) = (ceilings.shortest_period_us, ceilings.longest_period_us);
-        if !(shortest_us..=longest_us).contains(&self.sample_period_us) {
-            return Err(ConfigError::PeriodCeiling { shortest_us, longest_us });
-        }
-        if self.output.clamp_uv > ceiling_uv {
-            return Err(ConfigError::ClampCeiling { ceiling_uv });
-        }
-        Ok(())
-    }
-}
-
-impl Channel {
-    /// Whether any of its readings can end a run.
-    fn is_watched(&self) -> bool {
-        self.limit_micro.is_some()
-            || self.saturation_count.is_some()
-            || self.stuck_after_us.is_some()
-            || self.missing_below_micro.is_some()
-    }
-
-    fn is_sound(&self) -> bool {
-        let gain = self.scale.micro_per_count_q16.unsigned_abs();
-        // Full scale, which a converter of fewer bits reaches in fewer counts, must stay inside i32: 2^31 micro, in 1/2^16.
-        let full_scale_count = self.saturation_count.map_or(1 << 15, |rail| u64::from(rail.unsigned_abs()));
-        gain != 0
-            && gain.checked_mul(full_scale_count).is_some_and(|full_scale| full_scale <= 1 << 47)
-            && self.limit_micro.is_none_or(|limit| limit > 0)
-            && self.saturation_count.is_none_or(|count| count > 0)
-            && self.missing_below_micro.is_none_or(|below| below >= 0)
     }
 }
 
@@ -258,13 +217,6 @@ impl Output {
 }
 
 impl SpeedControl {
-    /// The gains must keep a product with any speed inside i64; the integral one acts per sample.
-    fn is_sound(&self, sample_period_us: u32) -> bool {
-        [self.motor.uv_per_urad_s_q32, self.proportional_q32, self.integral_per_sample_q32(sample_period_us)]
-            .into_iter()
-            .all(|gain| (0..=1 << 31).contains(&gain))
-    }
-
     /// The integral gain over one sample.
     pub(crate) fn integral_per_sample_q32(&self, sample_period_us: u32) -> i64 {
         self.integral_per_s_q32.saturating_mul(i64::from(sample_period_us)) / 1_000_000

@@ -47,14 +47,14 @@ pub enum Fault {
         /// Channel that reads it.
         channel: u8,
         /// The reading.
-        count: i16,
+        count: i32,
     },
     /// A reading repeats exactly although the bench moves.
     SensorStuck {
         /// Channel that reads it.
         channel: u8,
         /// The reading.
-        count: i16,
+        count: i32,
         /// For how long.
         for_us: u32,
     },
@@ -80,7 +80,7 @@ pub enum Fault {
     /// All inputs read the same count.
     ConverterStuck {
         /// The reading.
-        count: i16,
+        count: i32,
     },
     /// The drive's enable line is not where the board put it.
     EnableStuck {
@@ -100,6 +100,51 @@ pub enum Fault {
     ImageDamaged,
     /// The processor's clock and the timer disagree.
     ClockOff,
+    /// A current is too large.
+    OverCurrent {
+        /// Channel that measured it.
+        channel: u8,
+        /// Measured, in uA.
+        value_micro: i32,
+        /// Allowed, in uA.
+        limit_micro: i32,
+    },
+    /// The motor's supply is too low, or gone.
+    SupplyLow {
+        /// Channel that measured it.
+        channel: u8,
+        /// Measured.
+        supply_uv: i32,
+        /// Allowed.
+        lowest_uv: i32,
+    },
+    /// The motor stands still under voltage.
+    Stalled {
+        /// Channel of its current.
+        channel: u8,
+        /// The current.
+        current_ua: i32,
+        /// The voltage at the motor.
+        output_uv: i32,
+    },
+    /// The motor turns, by the voltage that its winding does not take, and its encoder does not count.
+    EncoderSilent {
+        /// Channel of the encoder's speed.
+        channel: u8,
+        /// The encoder's speed, urad/s.
+        value_micro: i32,
+        /// The speed by the winding, urad/s.
+        expected_micro: i32,
+    },
+    /// The encoder counts against the motor's direction.
+    EncoderReversed {
+        /// Channel of the encoder's speed.
+        channel: u8,
+        /// The encoder's speed, urad/s.
+        value_micro: i32,
+        /// The speed by the winding, urad/s.
+        expected_micro: i32,
+    },
 }
 
 impl Fault {
@@ -127,6 +172,11 @@ impl Fault {
             Self::RunTooLong { .. } => 19,
             Self::ImageDamaged => 20,
             Self::ClockOff => 21,
+            Self::OverCurrent { .. } => 22,
+            Self::SupplyLow { .. } => 23,
+            Self::Stalled { .. } => 24,
+            Self::EncoderSilent { .. } => 25,
+            Self::EncoderReversed { .. } => 26,
         }
     }
 
@@ -224,6 +274,39 @@ impl fmt::Display for Sentence<'_> {
             }
             Fault::ClockOff => f.write_str(
                 "the processor's clock and the timer disagree: check the supply, and replace the board if it recurs",
+            ),
+            Fault::OverCurrent { channel, value_micro, limit_micro } => {
+                over(f, "over-current: ", channel, value_micro, limit_micro, " A")
+            }
+            Fault::SupplyLow { channel, supply_uv, lowest_uv } => write!(
+                f,
+                "the motor's supply is low or gone: {} is {} V, the least is {} V",
+                name(channel),
+                Milli(supply_uv),
+                Milli(lowest_uv)
+            ),
+            Fault::Stalled { channel, current_ua, output_uv } => write!(
+                f,
+                "the motor is stalled: {} is {} A at {} V and its shaft stands still",
+                name(channel),
+                Milli(current_ua),
+                Milli(output_uv)
+            ),
+            Fault::EncoderSilent { channel, value_micro, expected_micro } => write!(
+                f,
+                "{} is {} rad/s, but the motor turns at about {} rad/s by its voltage and current: the encoder or its wires are broken, or its \
+                 shaft slips",
+                name(channel),
+                Milli(value_micro),
+                Milli(expected_micro)
+            ),
+            Fault::EncoderReversed { channel, value_micro, expected_micro } => write!(
+                f,
+                "{} is {} rad/s, but the motor turns at about {} rad/s by its voltage and current: swap the encoder's wires A and B, or the \
+                 sign of its counts_per_turn",
+                name(channel),
+                Milli(value_micro),
+                Milli(expected_micro)
             ),
         }
     }

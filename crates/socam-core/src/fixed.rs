@@ -114,6 +114,12 @@ pub(crate) fn increment(frequency_uhz: u32, period_us: u32) -> u64 {
     u64::try_from(scaled).unwrap_or(u64::MAX)
 }
 
+/// Number of samples in a time, at least one.
+pub(crate) fn whole_samples(time_us: u32, sample_period_us: u32) -> u32 {
+    let samples = samples_in(u64::from(time_us), sample_period_us);
+    u32::try_from(samples).unwrap_or(u32::MAX).max(1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

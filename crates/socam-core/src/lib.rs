@@ -13,7 +13,9 @@
 //!
 //! [`Profile`] (what to command) becomes a [`Generator`] (sample by sample); [`Config`] says how counts become SI and
 //! what is watched; [`Board`] puts both behind [`Ports`] (the hardware) and the safety states of [`State`];
-//! a [`Ring`] carries each [`Sample`] from the sampling interrupt to the sender.
+//! [`encoder::Encoder`] turns the
+//! count of a shaft into position and speed; a [`Ring`] carries each [`Sample`] from the sampling interrupt to the sender. [`Count`]
+//! is what a board's channels are counted in: what only a board with encoders needs costs no other board memory or time.
 #![no_std]
 #![cfg_attr(
     not(test),
@@ -34,10 +36,17 @@ mod atomic {
 }
 mod average;
 mod board;
+pub mod bridge;
 mod ceilings;
 mod config;
+mod count;
+pub mod encoder;
 mod fault;
 mod fixed;
+mod kind;
+mod layout;
+mod motor_check;
+mod motor_watch;
 mod ports;
 mod profile;
 mod request;
@@ -49,19 +58,24 @@ mod sample;
 pub mod scaling;
 mod schedule;
 mod sealed;
+mod state;
 mod status;
 mod velocity;
 
 pub use average::{Average, conversions_per_sample};
 pub use board::Board;
 pub use ceilings::Ceilings;
-pub use config::{Channel, ChannelKind, Config, ConfigError, MAX_CHANNELS, Output, SpeedControl};
+pub use config::{Channel, ChannelKind, Config, ConfigError, Output, SpeedControl};
+pub use count::Count;
 pub use fault::Fault;
+pub use kind::{BoardKind, GearmotorChannel};
+pub use layout::{Layout, MAX_CHANNELS};
+pub use motor_watch::MotorWatch;
 pub use ports::{ConverterSilent, Ports};
 pub use profile::{Command, Generator, Lines, MAX_LINES, Profile, ProfileError, ProfileKey, Setpoint, Shape};
 pub use request::{Refusal, Request};
-pub use ring::{Consumer, Producer, Ring};
-pub use safety::State;
+pub use ring::{Consumer, Producer, Ring, Stored};
 pub use sample::{Flags, Sample};
 pub use scaling::{MotorLine, Scale};
+pub use state::State;
 pub use status::Status;

@@ -1,6 +1,6 @@
 //! The hardware of a board, as a trait.
 
-use crate::Ceilings;
+use crate::{Ceilings, Count};
 
 /// A converter did not answer within its time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -9,6 +9,12 @@ pub struct ConverterSilent;
 /// The hardware that a board needs. Every call must return within a bounded time, far below one sampling period: a converter that
 /// does not answer is an error, never a wait.
 pub trait Ports {
+    /// What its channels are counted in: `i16` on a board without encoders.
+    type Count: Count;
+
+    /// Whether it drives a direct-current motor that the board compares with the motor's encoder, see [`crate::MotorWatch`].
+    const WATCHES_MOTOR: bool = false;
+
     /// Limits that this board never exceeds.
     const CEILINGS: Ceilings = Ceilings::WIDEST;
 
@@ -16,7 +22,7 @@ pub trait Ports {
     fn now_us(&mut self) -> u64;
 
     /// Reads one count per entry of `counts`, in channel order.
-    fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent>;
+    fn read(&mut self, counts: &mut [Self::Count]) -> Result<(), ConverterSilent>;
 
     /// Writes the command output, in signed counts around 0 V.
     fn write(&mut self, count: i16) -> Result<(), ConverterSilent>;
@@ -33,6 +39,11 @@ pub trait Ports {
     /// conversion or the conversions are unknown.
     fn repeated(&mut self, _channel: u8) -> Option<u32> {
         None
+    }
+
+    /// Digital inputs that are high now or were since the last call: bit 0 the first, bit 1 the second one.
+    fn inputs(&mut self) -> u8 {
+        0
     }
 
     /// Whether the emergency stop at the bench is pressed. Benches without one keep this default.

@@ -2,13 +2,17 @@
 
 use std::collections::VecDeque;
 
-use crate::{Flags, Ring, Sample};
+use crate::{Flags, MAX_CHANNELS, Ring, Sample};
 
-fn sample(seq: u32) -> Sample {
+fn sample(seq: u32) -> Sample<i16> {
+    of([i16::MAX, i16::MIN, -257, seq as i16, 5, 0, i16::MAX, -1], seq)
+}
+
+fn of<C>(counts: [C; MAX_CHANNELS], seq: u32) -> Sample<C> {
     Sample {
         tick: seq.wrapping_mul(3),
         seq,
-        counts: [1, -1, i16::MAX, i16::MIN, 5, -6, 7, seq as i16],
+        counts,
         output_count: -7,
         setpoint_micro: -1_000_000,
         segment: u16::MAX,
@@ -18,7 +22,7 @@ fn sample(seq: u32) -> Sample {
 
 #[test]
 fn what_goes_in_comes_out_in_order_and_the_rest_is_counted() {
-    let mut ring = Ring::<4>::new();
+    let mut ring = Ring::<i16, 4>::new();
     let (mut producer, mut consumer) = ring.split();
     for seq in 0..6 {
         assert_eq!(producer.push(&sample(seq)), seq < 4);
@@ -31,8 +35,17 @@ fn what_goes_in_comes_out_in_order_and_the_rest_is_counted() {
 }
 
 #[test]
+fn wide_counts_come_out_whole() {
+    let mut ring = Ring::<i32, 1>::new();
+    let (mut producer, mut consumer) = ring.split();
+    let wide = of([i32::MAX, i32::MIN, -65_537, 65_536, 5, i16::MIN.into(), -1, 0x1234_5678], 7);
+    assert!(producer.push(&wide));
+    assert_eq!(consumer.pop(), Some(wide));
+}
+
+#[test]
 fn two_threads_lose_and_reorder_nothing_that_was_not_counted() {
-    let mut ring = Ring::<64>::new();
+    let mut ring = Ring::<i16, 64>::new();
     let (mut producer, mut consumer) = ring.split();
     const TOTAL: u32 = if cfg!(miri) { 300 } else { 200_000 };
     std::thread::scope(|scope| {
@@ -63,7 +76,7 @@ fn behaves_as_a_queue<const N: usize>() {
     const STEPS: u32 = if cfg!(miri) { 4 } else { 9 };
     for start in (0..3 * N as u32).map(|back| u32::MAX.wrapping_sub(back).wrapping_add(2)) {
         for order in 0..1u32 << STEPS {
-            let mut ring = Ring::<N>::starting_at(start);
+            let mut ring = Ring::<i16, N>::starting_at(start);
             let (mut producer, mut consumer) = ring.split();
             let (mut queue, mut lost) = (VecDeque::new(), 0);
             for step in 0..STEPS {

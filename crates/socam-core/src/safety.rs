@@ -1,73 +1,14 @@
-//! The board's states, and the checks of readings that lead to a fault.
+//! The checks of readings that lead to a fault.
 
-use core::fmt;
-
-use crate::config::{Channel, ChannelKind, Config, MAX_CHANNELS};
-use crate::{Fault, conversions_per_sample, fixed};
-
-/// State of the board. The output is live in `Running` and `Stopping` and nowhere else.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum State {
-    /// 0 V, drive disabled; may be configured.
-    Idle,
-    /// 0 V, drive disabled; all limits and the host are watched.
-    Armed,
-    /// The drive is enabled and follows the profile.
-    Running,
-    /// The drive is enabled and ramps to 0.
-    Stopping,
-    /// 0 V, drive disabled, until the fault is cleared.
-    Fault,
-}
-
-impl State {
-    /// Number of the state, the same in all versions.
-    pub fn code(self) -> u8 {
-        match self {
-            Self::Idle => 0,
-            Self::Armed => 1,
-            Self::Running => 2,
-            Self::Stopping => 3,
-            Self::Fault => 4,
-        }
-    }
-
-    /// The state with this code.
-    pub fn from_code(code: u8) -> Option<Self> {
-        [Self::Idle, Self::Armed, Self::Running, Self::Stopping, Self::Fault]
-            .into_iter()
-            .find(|state| state.code() == code)
-    }
-
-    /// Whether the drive is enabled.
-    pub fn is_live(self) -> bool {
-        matches!(self, Self::Running | Self::Stopping)
-    }
-
-    /// Whether limits and the host are watched.
-    pub(crate) fn is_watched(self) -> bool {
-        matches!(self, Self::Armed | Self::Running | Self::Stopping)
-    }
-}
-
-impl fmt::Display for State {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Idle => "idle",
-            Self::Armed => "armed",
-            Self::Running => "running",
-            Self::Stopping => "stopping",
-            Self::Fault => "in fault",
-        })
-    }
-}
+use crate::config::{Channel, ChannelKind, Config};
+use crate::layout::MAX_CHANNELS;
+use crate::{Count, Fault, conversions_per_sample, fixed};
 
 /// Number of sensors from which equal counts in all of them are a fault, not chance, ...
 const DISAGREE_FROM_CHANNELS: usize = 4;
 
 /// ... unless at rest: a hundredth of the converter's range.
-const AT_REST_COUNT: u16 = 328;
+const AT_REST_COUNT: u32 = 328;
 
 /// Fewest equal codes in a row that are a stuck channel. Noise of standard deviation s repeats a code with a probability of at most
 /// p = P(|x| < 1/2): where the signal rests in the middle of a code. The converter alone has s = 0.58 codes (ADS8688: 92 dB of
@@ -81,14 +22,14 @@ const FEWEST_MEANS: u32 = 1000;
 
 /// Watches the channels against their limits, sample by sample.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Watch {
-    channels: [ChannelWatch; MAX_CHANNELS],
+pub(crate) struct Watch<C> {
+    channels: [ChannelWatch<C>; MAX_CHANNELS],
 }
 
 /// Consecutive samples of one channel with each symptom.
 #[derive(Debug, Clone, Copy, Default)]
-struct ChannelWatch {
-    last_count: i16,
+struct ChannelWatch<C> {
+    last_count: C,
     over_limit: u8,
     saturated: u8,
     repeated: u32,
@@ -107,12 +48,9 @@ struct StuckAfter {
     code_us: u32,
 }
 
-impl Watch {
+impl<C: Count> Watch<C> {
     pub(crate) fn new(config: &Config) -> Self {
-        let samples = |time_us: u32| {
-            let samples = fixed::samples_in(u64::from(time_us), config.sample_period_us);
-            u32::try_from(samples).unwrap_or(u32::MAX).max(1)
-        };
+        let samples = |time_us: u32| fixed::whole_samples(time_us, config.sample_period_us);
         let per_sample = conversions_per_sample(config.sample_period_us);
         let code_us = config.sample_period_us.checked_div(per_sample).unwrap_or(1).max(1);
         let channels = config.channels.map(|channel| ChannelWatch {
@@ -132,7 +70,7 @@ impl Watch {
     pub(crate) fn check(
         &mut self,
         config: &Config,
-        counts: &[i16; MAX_CHANNELS],
+        counts: &[C; MAX_CHANNELS],
         output_uv: i32,
         mut repeated_codes: impl FnMut(u8) -> Option<u32>,
     ) -> Option<Fault> {
@@ -154,29 +92,36 @@ impl Watch {
 }
 
 /// A fault if every channel reads the same count.
-fn repeated(counts: &[i16]) -> Option<Fault> {
-    let &count = counts.first()?;
-    let is_one = counts.len() >= DISAGREE_FROM_CHANNELS && counts.iter().all(|other| *other == count);
+fn repeated<C: Count>(counts: &[C]) -> Option<Fault> {
+    let &first = counts.first()?;
+    let is_one = counts.len() >= DISAGREE_FROM_CHANNELS && counts.iter().all(|other| *other == first);
+    let count: i32 = first.into();
     (is_one && count.unsigned_abs() >= AT_REST_COUNT).then_some(Fault::ConverterStuck { count })
 }
 
-impl ChannelWatch {
-    fn saturation(&mut self, config: &Config, channel: &Channel, index: u8, count: i16) -> Option<Fault> {
+impl<C: Count> ChannelWatch<C> {
+    fn saturation(&mut self, config: &Config, channel: &Channel, index: u8, count: C) -> Option<Fault> {
         let rail = channel.saturation_count?;
-        let at_rail = count.unsigned_abs() >= rail.unsigned_abs();
+        let count = count.into();
+        let at_rail = count.unsigned_abs() >= rail.unsigned_abs().into();
         self.saturated = if at_rail { self.saturated.saturating_add(1) } else { 0 };
         (self.saturated >= config.confirm_samples).then_some(Fault::SensorSaturated { channel: index, count })
     }
 
-    fn limit(&mut self, config: &Config, channel: &Channel, index: u8, count: i16) -> Option<Fault> {
+    fn limit(&mut self, config: &Config, channel: &Channel, index: u8, count: C) -> Option<Fault> {
         let limit_micro = channel.limit_micro?;
-        let value_micro = channel.scale.value_micro(count);
+        let value_micro = channel.scale.value_micro(count.into());
         let over = value_micro.unsigned_abs() > limit_micro.unsigned_abs();
         self.over_limit = if over { self.over_limit.saturating_add(1) } else { 0 };
         (self.over_limit >= config.confirm_samples).then_some(match channel.kind {
-            ChannelKind::Speed => Fault::OverSpeed { channel: index, value_micro, limit_micro },
+            ChannelKind::Speed | ChannelKind::EncoderSpeed => {
+                Fault::OverSpeed { channel: index, value_micro, limit_micro }
+            }
             ChannelKind::Torque => Fault::OverTorque { channel: index, value_micro, limit_micro },
-            ChannelKind::Other => Fault::OverLimit { channel: index, value_micro, limit_micro },
+            ChannelKind::Current => Fault::OverCurrent { channel: index, value_micro, limit_micro },
+            ChannelKind::Other | ChannelKind::EncoderAngle => {
+                Fault::OverLimit { channel: index, value_micro, limit_micro }
+            }
         })
     }
 
@@ -185,7 +130,7 @@ impl ChannelWatch {
         &mut self,
         config: &Config,
         index: u8,
-        count: i16,
+        count: C,
         moves: bool,
         codes: Option<u32>,
     ) -> Option<Fault> {
@@ -196,18 +141,12 @@ impl ChannelWatch {
             None => (self.repeated, stuck_after.samples, config.sample_period_us),
         };
         let for_us = repeated.saturating_mul(each_us);
-        (repeated >= enough).then_some(Fault::SensorStuck { channel: index, count, for_us })
+        (repeated >= enough).then_some(Fault::SensorStuck { channel: index, count: count.into(), for_us })
     }
 
-    fn missing(
-        &mut self,
-        channel: &Channel,
-        index: u8,
-        count: i16,
-        moved_by_uv: Option<i32>,
-    ) -> Option<Fault> {
+    fn missing(&mut self, channel: &Channel, index: u8, count: C, moved_by_uv: Option<i32>) -> Option<Fault> {
         let below_micro = channel.missing_below_micro?;
-        let value_micro = channel.scale.value_micro(count);
+        let value_micro = channel.scale.value_micro(count.into());
         let nothing = value_micro.unsigned_abs() <= below_micro.unsigned_abs();
         let Some(output_uv) = moved_by_uv.filter(|_| nothing) else {
             self.nothing = 0;

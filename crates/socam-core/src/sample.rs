@@ -5,17 +5,17 @@ use crate::{MAX_CHANNELS, State};
 /// Inputs, output and state at one sampling instant.
 ///
 /// `counts` were read just before `output_count` was written: `output_count` acts from this tick to the next
-/// (zero-order hold), and `counts` are the bench's state at this tick.
+/// (zero-order hold), and `counts` are the bench's state at this tick. `C` is the board's [`crate::Count`]; a host takes both in 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Sample {
+pub struct Sample<C = i32> {
     /// Number of the tick since power-on: device time is `tick * sample_period_us`. Jumps where ticks were overrun;
     /// wraps after 2^32 (119 h at 10 kHz).
     pub tick: u32,
     /// Counts samples since streaming was switched on, without gaps: a gap at the receiver is a loss on the way.
     pub seq: u32,
-    /// Converter readings; the entries past the configured number of channels are 0.
-    pub counts: [i16; MAX_CHANNELS],
+    /// Readings of converters and encoders; the entries past the configured number of channels are 0.
+    pub counts: [C; MAX_CHANNELS],
     /// Count written to the output at this tick.
     pub output_count: i16,
     /// The profile's setpoint, in a millionth of V or rad/s.
@@ -38,6 +38,8 @@ impl Flags {
     pub const LIMITED: u8 = 0x10;
     /// One or more ticks were missed just before this sample.
     pub const OVERRUN: u8 = 0x20;
+    /// The first and the second digital input were high at, or since, the sample before.
+    pub const INPUTS: [u8; 2] = [0x08, 0x80];
     /// The converter did not answer: `counts` are not measurements.
     pub const NO_READING: u8 = 0x40;
 

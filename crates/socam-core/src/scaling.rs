@@ -158,8 +158,8 @@ pub struct Scale {
 
 impl Scale {
     /// The value at `count`, in millionths of the channel's SI unit, saturated.
-    pub fn value_micro(&self, count: i16) -> i32 {
-        fixed::scale(i32::from(count), self.micro_per_count_q16, 16).saturating_add(self.offset_micro)
+    pub fn value_micro(&self, count: i32) -> i32 {
+        fixed::scale(count, self.micro_per_count_q16, 16).saturating_add(self.offset_micro)
     }
 }
 
@@ -191,7 +191,7 @@ mod tests {
         let converter = Converter::DEFAULT;
         let count = converter.count(6.9);
         let scale = Sensor::MOTOR_SPEED.scale(&converter);
-        assert!((f64::from(scale.value_micro(count)) * 1e-6 - 1000.0 * RAD_S_PER_RPM).abs() < 3e-3);
+        assert!((f64::from(scale.value_micro(count.into())) * 1e-6 - 1000.0 * RAD_S_PER_RPM).abs() < 3e-3);
         // Eq. 2.1 at 1.88 V, the program's default offset: 1344.6 rpm.
         let speed = MotorCalibration::LOADED.speed_rad_s(1.88);
         assert!((speed / RAD_S_PER_RPM - 1344.599).abs() < 1e-2);
@@ -214,7 +214,7 @@ mod tests {
         let scale = sensor.scale(&Converter::DEFAULT);
         for count in i16::MIN..=i16::MAX {
             let exact = sensor.value(Converter::DEFAULT.volts(count)) * 1e6;
-            assert!((f64::from(scale.value_micro(count)) - exact).abs() < 1.8, "count {count}");
+            assert!((f64::from(scale.value_micro(count.into())) - exact).abs() < 1.8, "count {count}");
         }
     }
 }

@@ -21,7 +21,8 @@ mod atomic {
     /// and explores hardly any order (tokio-rs/loom issues 166 and 392). So each access is preceded by a relaxed store to a second
     /// word that nobody loads: it synchronises nothing, and two stores are never independent.
     #[derive(Debug)]
-    pub(crate) struct AtomicU32 {
+    #[expect(unreachable_pub, reason = "a public trait of the ring names it")]
+    pub struct AtomicU32 {
         first: u32,
         words: OnceLock<[atomic::AtomicU32; 2]>,
     }
@@ -53,7 +54,7 @@ mod ring;
 
 use ring::{Consumer, Producer, Ring};
 
-fn sample(seq: u32) -> Sample {
+fn sample(seq: u32) -> Sample<i16> {
     let count = seq as i16 + 1;
     Sample {
         tick: seq + 100,
@@ -69,12 +70,15 @@ fn sample(seq: u32) -> Sample {
 /// Number of the sample that was in each slot before.
 const STALE: u32 = 50;
 
+/// Samples that a sender took, and whether it has cleared the ring meanwhile.
+type Taken = (Vec<Sample<i16>>, bool);
+
 /// Runs the interrupt, which pushes `PUSHES` samples, against `sender`, with at most `preemptions` changes of thread that nothing
 /// forces, and checks that each sample arrives once, whole and in order, or is counted.
 fn explore<const N: usize, const PUSHES: u32>(
     start: u32,
     preemptions: usize,
-    sender: fn(&mut Consumer<'static, N>) -> (Vec<Sample>, bool),
+    sender: fn(&mut Consumer<'static, i16, N>) -> Taken,
 ) {
     let mut model = loom::model::Builder::new();
     model.preemption_bound = Some(preemptions);
@@ -83,8 +87,8 @@ fn explore<const N: usize, const PUSHES: u32>(
     model.check(move || {
         counted.fetch_add(1, Relaxed);
         // Threads of loom have no scope.
-        let ring: &'static mut Ring<N> = Box::leak(Box::new(Ring::starting_at(start)));
-        let (mut producer, mut consumer): (Producer<'_, N>, Consumer<'_, N>) = ring.split();
+        let ring: &'static mut Ring<i16, N> = Box::leak(Box::new(Ring::starting_at(start)));
+        let (mut producer, mut consumer): (Producer<'_, i16, N>, Consumer<'_, i16, N>) = ring.split();
         // Before there are two threads, every word is created and holds a value from an earlier sample.
         while producer.push(&sample(STALE)) {}
         while consumer.pop().is_some() {}

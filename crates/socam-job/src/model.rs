@@ -9,7 +9,7 @@ use crate::error::{JobError, Result};
 use crate::notation;
 
 /// Help of every option that names a model.
-pub const MODEL_HELP: &str = "Model file (`template model` prints one to start from), or an embedded model: speed-o-cam, two-mass, emps, emps-loop";
+pub const MODEL_HELP: &str = "Model file (`template model` prints one to start from), or an embedded model: speed-o-cam, two-mass, emps, emps-loop, gearmotor";
 
 /// Help of `--between`.
 pub(crate) const BETWEEN_HELP: &str = "How inputs move between their samples: auto, hold, linear or band-limited, for all of them or as INPUT=KIND for one; may be repeated [default: what the model file says, else auto: what fits the recordings best, and where they do not tell, band-limited for a motion, linear for a torque, a force, a voltage or a reference]";

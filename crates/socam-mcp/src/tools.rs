@@ -105,7 +105,7 @@ pub(crate) const TOOLS: &[Tool] = &[
         &[required(
             "model",
             Takes::File,
-            "Model file, or an embedded model: speed-o-cam, two-mass, emps, emps-loop",
+            "Model file, or an embedded model: speed-o-cam, two-mass, emps, emps-loop, gearmotor",
         )],
         None,
         "Draw a model as text, with its parameters and channels; a mistake in the file is told with its line",

@@ -8,6 +8,7 @@ pub const BUILTIN: &[(&str, &str)] = &[
     ("two-mass", include_str!("builtin/two-mass.toml")),
     ("emps", include_str!("builtin/emps.toml")),
     ("emps-loop", include_str!("builtin/emps-loop.toml")),
+    ("gearmotor", include_str!("builtin/gearmotor.toml")),
 ];
 
 impl Model {

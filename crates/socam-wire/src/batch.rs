@@ -3,9 +3,9 @@
 use core::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
-use socam_core::{Flags, MAX_CHANNELS, Sample};
+use socam_core::{Count, Flags, Layout, MAX_CHANNELS, Sample};
 
-/// Largest number of samples in a batch.
+/// Largest number of samples in a batch; fewer where channels are wide.
 pub const BATCH_SAMPLES: usize = 32;
 
 /// Output count (2), setpoint (4) and flags (1).
@@ -19,7 +19,8 @@ pub struct SampleBatch {
     first_tick: u32,
     first_seq: u32,
     segment: u16,
-    channels: u8,
+    /// The count of a wide channel has four bytes, that of another one two.
+    layout: Layout,
     data: Data,
 }
 
@@ -28,13 +29,13 @@ pub struct SampleBatch {
 pub(crate) struct DoesNotFollow;
 
 impl SampleBatch {
-    /// A batch of one sample with its first `channels` counts.
-    pub fn new(first: &Sample, channels: u8) -> Self {
+    /// A batch of one sample with the counts of this layout; a narrow one saturates.
+    pub fn new<C: Count>(first: &Sample<C>, layout: Layout) -> Self {
         let mut batch = Self {
             first_tick: first.tick,
             first_seq: first.seq,
             segment: first.segment,
-            channels: channels.clamp(1, MAX_CHANNELS as u8),
+            layout,
             data: Data::EMPTY,
         };
         batch.append(first);
@@ -42,12 +43,13 @@ impl SampleBatch {
     }
 
     /// Adds the next sample, if there is room and it follows without a gap.
-    pub(crate) fn push(&mut self, sample: &Sample) -> Result<(), DoesNotFollow> {
+    pub(crate) fn push<C: Count>(&mut self, sample: &Sample<C>) -> Result<(), DoesNotFollow> {
         let len = self.len();
         let follows = sample.seq == self.first_seq.wrapping_add(len as u32)
             && sample.tick == self.first_tick.wrapping_add(len as u32)
             && sample.segment == self.segment;
-        if len >= BATCH_SAMPLES || !follows {
+        let has_room = len < BATCH_SAMPLES && self.data.len + self.stride() <= MAX_BYTES;
+        if !has_room || !follows {
             return Err(DoesNotFollow);
         }
         self.append(sample);
@@ -62,7 +64,7 @@ impl SampleBatch {
 
     /// Number of channels of each sample.
     pub fn channels(&self) -> usize {
-        usize::from(self.channels)
+        usize::from(self.layout.channels())
     }
 
     /// The samples; counts past the batch's channels are 0.
@@ -70,8 +72,12 @@ impl SampleBatch {
         self.data.as_slice().chunks_exact(self.stride()).zip(0u32..).map(|(bytes, i)| {
             let mut bytes = bytes.iter().copied();
             let mut counts = [0; MAX_CHANNELS];
-            for count in counts.iter_mut().take(self.channels()) {
-                *count = i16::from_le_bytes(take(&mut bytes));
+            for (channel, count) in counts.iter_mut().take(self.channels()).enumerate() {
+                *count = if self.layout.is_wide(channel) {
+                    i32::from_le_bytes(take(&mut bytes))
+                } else {
+                    i16::from_le_bytes(take(&mut bytes)).into()
+                };
             }
             Sample {
                 tick: self.first_tick.wrapping_add(i),
@@ -86,12 +92,18 @@ impl SampleBatch {
     }
 
     fn stride(&self) -> usize {
-        FIXED_BYTES + 2 * self.channels()
+        FIXED_BYTES + self.layout.bytes()
     }
 
-    fn append(&mut self, sample: &Sample) {
-        for count in sample.counts.iter().take(self.channels()) {
-            self.data.extend(count.to_le_bytes());
+    fn append<C: Count>(&mut self, sample: &Sample<C>) {
+        for (channel, count) in sample.counts.iter().take(self.channels()).enumerate() {
+            let count: i32 = (*count).into();
+            if C::MAY_BE_WIDE && self.layout.is_wide(channel) {
+                self.data.extend(count.to_le_bytes());
+            } else {
+                let count = count.clamp(i16::MIN.into(), i16::MAX.into()) as i16;
+                self.data.extend(count.to_le_bytes());
+            }
         }
         self.data.extend(sample.output_count.to_le_bytes());
         self.data.extend(sample.setpoint_micro.to_le_bytes());
@@ -115,7 +127,7 @@ struct Unchecked {
     first_tick: u32,
     first_seq: u32,
     segment: u16,
-    channels: u8,
+    layout: Layout,
     data: Data,
 }
 
@@ -123,11 +135,8 @@ impl TryFrom<Unchecked> for SampleBatch {
     type Error = &'static str;
 
     fn try_from(batch: Unchecked) -> Result<Self, Self::Error> {
-        let Unchecked { first_tick, first_seq, segment, channels, data } = batch;
-        if !(1..=MAX_CHANNELS).contains(&usize::from(channels)) {
-            return Err("a batch has 1 to 8 channels");
-        }
-        let batch = Self { first_tick, first_seq, segment, channels, data };
+        let Unchecked { first_tick, first_seq, segment, layout, data } = batch;
+        let batch = Self { first_tick, first_seq, segment, layout, data };
         let is_whole = data.len.is_multiple_of(batch.stride());
         if is_whole && (1..=BATCH_SAMPLES).contains(&batch.len()) {
             Ok(batch)

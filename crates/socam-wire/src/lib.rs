@@ -30,7 +30,8 @@ pub use encoder::{BufferTooSmall, Encoder, MAX_FRAME};
 pub use image::Image;
 pub use link::BoardLink;
 pub use message::{BoardStatus, EnableFeedback, FrontEnd, Identity, Start, ToBoard, ToHost};
+pub use socam_core::BoardKind;
 pub use text::Text;
 
 /// Version of the messages and of everything that they contain. Any change to a transmitted type raises it.
-pub const SCHEMA_VERSION: u8 = 5;
+pub const SCHEMA_VERSION: u8 = 6;

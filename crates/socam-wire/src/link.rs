@@ -1,6 +1,6 @@
 //! The board's end of the link.
 
-use socam_core::{Consumer, Refusal, Request, Status};
+use socam_core::{Consumer, Count, Layout, Refusal, Request, Status};
 
 use crate::decoder::LinkCounts;
 use crate::{BoardStatus, Decoder, Encoder, Identity, LinkError, MAX_FRAME, SampleBatch, ToBoard, ToHost};
@@ -8,17 +8,17 @@ use crate::{BoardStatus, Decoder, Encoder, Identity, LinkError, MAX_FRAME, Sampl
 /// Answers the host and sends the samples in the ring. It owns no hardware: the caller passes received bytes in and sends the
 /// returned ones.
 #[derive(Debug)]
-pub struct BoardLink<'r, const N: usize> {
+pub struct BoardLink<'r, C: Count, const N: usize> {
     decoder: Decoder<ToBoard>,
     encoder: Encoder,
     counts: LinkCounts,
     identity: Identity,
-    samples: Consumer<'r, N>,
+    samples: Consumer<'r, C, N>,
 }
 
-impl<'r, const N: usize> BoardLink<'r, N> {
+impl<'r, C: Count, const N: usize> BoardLink<'r, C, N> {
     /// A link that has received nothing.
-    pub fn new(identity: Identity, samples: Consumer<'r, N>) -> Self {
+    pub fn new(identity: Identity, samples: Consumer<'r, C, N>) -> Self {
         Self {
             decoder: Decoder::new(),
             encoder: Encoder::new(),
@@ -69,13 +69,13 @@ impl<'r, const N: usize> BoardLink<'r, N> {
         handle(request)
     }
 
-    /// Writes a frame of samples to `out` if at least `at_least` wait, and returns its length. `channels` is
-    /// [`socam_core::Config::channel_count`]. Call it until `None`; with `at_least` = 1 no sample is left.
-    pub fn samples(&mut self, channels: u8, at_least: usize, out: &mut [u8; MAX_FRAME]) -> Option<usize> {
+    /// Writes a frame of samples to `out` if at least `at_least` wait, and returns its length. `layout` is
+    /// that of [`socam_core::Board::layout`]. Call it until `None`; with `at_least` = 1 no sample is left.
+    pub fn samples(&mut self, layout: Layout, at_least: usize, out: &mut [u8; MAX_FRAME]) -> Option<usize> {
         if self.samples.len() < at_least {
             return None;
         }
-        let mut batch = SampleBatch::new(&self.samples.pop()?, channels);
+        let mut batch = SampleBatch::new(&self.samples.pop()?, layout);
         while let Some(sample) = self.samples.peek() {
             if batch.push(&sample).is_err() {
                 break;

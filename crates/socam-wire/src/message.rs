@@ -3,7 +3,7 @@
 use core::fmt;
 
 use serde::{Deserialize, Serialize};
-use socam_core::{Refusal, Request, Status};
+use socam_core::{BoardKind, Refusal, Request, Status};
 
 use crate::decoder::LinkCounts;
 use crate::{Image, SampleBatch, Text};
@@ -107,6 +107,8 @@ impl fmt::Display for Start {
 /// The converters between a board and its bench.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FrontEnd {
+    /// What its channels are.
+    pub kind: BoardKind,
     /// Voltage at 2^15 counts of the inputs, in microvolt.
     pub input_full_scale_uv: u32,
     /// Voltage at 2^15 counts of the output, in microvolt.

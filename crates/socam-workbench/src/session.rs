@@ -184,7 +184,7 @@ mod tests {
         ] {
             let own = relative_run(&run, folder.path());
             assert_eq!(own, expected);
-            let named = Named { run: own, shown: true, shift_s: 0.0 };
+            let named = Named { run: own, shown: true, shift_s: 0.0, notes: Vec::new() };
             let session = Session {
                 schema: SCHEMA.into(),
                 view: View::Time,

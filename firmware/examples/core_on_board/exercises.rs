@@ -2,12 +2,12 @@
 
 use socam_core::scaling::{self, Converter, MotorCalibration, Sensor};
 use socam_core::{
-    Average, Board, Command, Config, ConverterSilent, Generator, Lines, MAX_CHANNELS, Ports, Profile,
+    Average, Board, Command, Config, ConverterSilent, Generator, Layout, Lines, MAX_CHANNELS, Ports, Profile,
     Request, Ring, Sample, Shape,
 };
 use socam_wire::{
-    BoardLink, Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, Start, Text, ToBoard,
-    ToHost,
+    BoardKind, BoardLink, Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, Start,
+    Text, ToBoard, ToHost,
 };
 
 /// Runs all exercises; each gives its name and a hash of its results.
@@ -174,6 +174,8 @@ struct Motor {
 }
 
 impl Ports for Motor {
+    type Count = i16;
+
     fn now_us(&mut self) -> u64 {
         self.now_us
     }
@@ -201,7 +203,7 @@ impl Ports for Motor {
 /// A run, a stop, another run that exceeds a limit: every sample and status.
 fn board(command: Command) -> u64 {
     let mut digest = Digest::new();
-    let mut ring = Ring::<16>::new();
+    let mut ring = Ring::<i16, 16>::new();
     let (producer, mut samples) = ring.split();
     let motor = Motor { now_us: 0, speed_urad_s: 0, output: 0, enabled: false, noise: Counts(9) };
     let mut board = Board::new(motor, producer);
@@ -242,9 +244,14 @@ fn board(command: Command) -> u64 {
 /// Frames to the host over a line that damages every seventh, and the decoded messages.
 fn messages() -> u64 {
     let (mut digest, mut counts) = (Digest::new(), Counts(3));
-    let mut ring = Ring::<64>::new();
+    let mut ring = Ring::<i16, 64>::new();
     let (mut producer, samples) = ring.split();
-    let front_end = FrontEnd { input_full_scale_uv: 1, output_full_scale_uv: 2, channel_step_ns: 3 };
+    let front_end = FrontEnd {
+        kind: BoardKind::Analog,
+        input_full_scale_uv: 1,
+        output_full_scale_uv: 2,
+        channel_step_ns: 3,
+    };
     let identity = Identity {
         board: Text::new("board"),
         firmware: Text::new("firmware"),
@@ -261,7 +268,7 @@ fn messages() -> u64 {
             let tick = number * 20 + at;
             producer.push(&Sample { tick, seq: tick, counts, ..Sample::default() });
         }
-        let len = link.samples(4, 1, &mut frame).expect("samples wait");
+        let len = link.samples(Layout::narrow(4), 1, &mut frame).expect("samples wait");
         if number % 7 == 3 {
             frame[len / 2] ^= 0x10;
         }

@@ -16,6 +16,7 @@ mod efficiency;
 mod export;
 #[cfg(feature = "exchange")]
 mod export_model;
+mod first_run;
 mod flash;
 #[cfg(feature = "fleet")]
 mod fleet;
@@ -211,6 +212,7 @@ commands! {
     VirtualBoard => virtual_board,
     Dashboard => dashboard if "window",
     Flash => flash,
+    FirstRun => first_run,
     New => new,
     Model => model,
     Template => template,

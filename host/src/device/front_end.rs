@@ -3,10 +3,14 @@
 use anyhow::{Context, bail};
 use socam_core::scaling::Converter;
 use socam_recording::Calibration;
-use socam_wire::FrontEnd;
+use socam_wire::{BoardKind, FrontEnd};
 
-/// The default bench's calibration on a board's own converters, as text and read.
+/// The calibration of the default bench for a board, on its own converters, as text and read.
 pub(crate) fn default_calibration(front_end: &FrontEnd) -> anyhow::Result<(String, Calibration)> {
+    if front_end.kind == BoardKind::Gearmotor {
+        let text = Calibration::gearmotor_text();
+        return Ok((text.to_owned(), Calibration::parse(text)?));
+    }
     let text = Calibration::default_text();
     let (inputs, outputs) = text.split_once("[output]").context("the default calibration has no [output]")?;
     let with =
@@ -22,6 +26,13 @@ pub(crate) fn default_calibration(front_end: &FrontEnd) -> anyhow::Result<(Strin
 
 /// Refuses a calibration for other converters, which would read every count wrong by a few per cent.
 pub(crate) fn check(calibration: &Calibration, front_end: &FrontEnd) -> anyhow::Result<()> {
+    if calibration.board != front_end.kind {
+        bail!(
+            "the calibration is for a board of kind `{}`, this board is of kind `{}`: give another --calibration, or none for the default one",
+            calibration.board,
+            front_end.kind
+        );
+    }
     for (table, converter, uv) in [
         ("input", calibration.input, front_end.input_full_scale_uv),
         ("output", calibration.output, front_end.output_full_scale_uv),
@@ -51,8 +62,12 @@ fn volts(uv: u32) -> f64 {
 mod tests {
     use super::*;
 
-    const PICO: FrontEnd =
-        FrontEnd { input_full_scale_uv: 10_240_000, output_full_scale_uv: 10_000_000, channel_step_ns: 3500 };
+    const PICO: FrontEnd = FrontEnd {
+        kind: BoardKind::Analog,
+        input_full_scale_uv: 10_240_000,
+        output_full_scale_uv: 10_000_000,
+        channel_step_ns: 3500,
+    };
 
     #[test]
     fn the_default_calibration_takes_the_boards_converters_and_another_one_is_refused() {

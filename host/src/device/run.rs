@@ -99,6 +99,19 @@ pub(crate) fn record_watched(
     report
 }
 
+/// Runs a plan's profile for a caller that wants its samples.
+pub(crate) fn observe(
+    session: &mut Session,
+    plan: Plan,
+    monitor: &mut dyn Monitor,
+) -> anyhow::Result<Report> {
+    prepare(session, &plan)?;
+    let report = record_prepared(session, plan, monitor);
+    // The bench is at rest or out of reach; a failure here has no effect.
+    let _ = session.post(Request::Stream(false));
+    report
+}
+
 /// Loads the plan's calibration and profile, and arms the board: it monitors all limits, and nothing moves.
 #[cfg(feature = "window")]
 pub(crate) fn arm(session: &mut Session, plan: &Plan) -> anyhow::Result<()> {

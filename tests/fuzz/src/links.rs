@@ -76,7 +76,7 @@ pub(crate) fn board_link(input: Input<'_>) -> bool {
 
 /// What a board is asked, in order.
 fn requests(bytes: &[u8], size: usize) -> Vec<Request> {
-    let mut ring = Ring::<16>::new();
+    let mut ring = Ring::<i16, 16>::new();
     let (_, samples) = ring.split();
     let mut link = BoardLink::new(seeds::identity(), samples);
     let mut out = [0; MAX_FRAME];

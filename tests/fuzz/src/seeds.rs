@@ -6,12 +6,13 @@ mod robots;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use socam_core::{Command, Config, Profile, Request, Ring, Sample, Shape};
+use socam_core::{Command, Config, Layout, Profile, Request, Ring, Sample, Shape};
 use socam_recording::{
     Attachment, Calibration, Channel, Event, ProfileFile, Recorder, RecordingHeader, SampleRow, Status, Unit,
 };
 use socam_wire::{
-    BoardLink, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, Start, Text, ToBoard, ToHost,
+    BoardKind, BoardLink, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, Start, Text,
+    ToBoard, ToHost,
 };
 
 pub(crate) use foreign::{foreign, foreign_tables, mappings};
@@ -171,8 +172,12 @@ pub(crate) fn reports(folder: &Path) -> Vec<Vec<u8>> {
 
 /// A board's identity.
 pub(crate) fn identity() -> Identity {
-    let front_end =
-        FrontEnd { input_full_scale_uv: 10_240_000, output_full_scale_uv: 10_000_000, channel_step_ns: 3500 };
+    let front_end = FrontEnd {
+        kind: BoardKind::Analog,
+        input_full_scale_uv: 10_240_000,
+        output_full_scale_uv: 10_000_000,
+        channel_step_ns: 3500,
+    };
     Identity {
         board: Text::new("bench 7"),
         firmware: Text::new("0.1.0"),
@@ -196,16 +201,17 @@ fn frames<M: serde::Serialize>(messages: &[M]) -> Vec<u8> {
 
 /// What a board sends.
 pub(crate) fn to_host(_: &Path) -> Vec<Vec<u8>> {
-    let mut ring = Ring::<32>::new();
+    let mut ring = Ring::<i32, 32>::new();
     let (mut producer, consumer) = ring.split();
     for number in 0..20_u32 {
-        let counts = [number as i16; socam_core::MAX_CHANNELS];
+        let counts = [number as i32; socam_core::MAX_CHANNELS];
         producer.push(&Sample { tick: 5 * number, seq: number, counts, ..Sample::default() });
     }
     let mut link = BoardLink::new(identity(), consumer);
     let mut out = [0; MAX_FRAME];
     let mut samples = Vec::new();
-    while let Some(length) = link.samples(4, 1, &mut out) {
+    while let Some(length) = link.samples(Layout::try_from([4, 2]).unwrap_or(Layout::narrow(4)), 1, &mut out)
+    {
         samples.extend_from_slice(&out[..length]);
     }
     let answer = |number| ToHost::Answer { number, result: Ok(()) };

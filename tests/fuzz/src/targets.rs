@@ -175,7 +175,10 @@ fn calibration(input: Input<'_>) -> bool {
         return false;
     };
     for count in [i16::MIN, 0, i16::MAX] {
-        assert!(calibration.values(count, &[count; MAX_CHANNELS]).all(f64::is_finite), "value of {count}");
+        assert!(
+            calibration.values(count, &[count.into(); MAX_CHANNELS]).all(f64::is_finite),
+            "value of {count}"
+        );
     }
     true
 }

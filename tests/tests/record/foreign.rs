@@ -6,8 +6,8 @@ use std::path::Path;
 
 use socam_tests::run;
 use socam_wire::{
-    Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, SCHEMA_VERSION, Start, Text,
-    ToBoard, ToHost,
+    BoardKind, Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, SCHEMA_VERSION, Start,
+    Text, ToBoard, ToHost,
 };
 
 use super::{path, record};
@@ -24,6 +24,7 @@ fn foreign_hello() -> Vec<u8> {
         board: Text::new("mill 3"),
         firmware: Text::new("9.1"),
         front_end: FrontEnd {
+            kind: BoardKind::Analog,
             input_full_scale_uv: 2_500_000,
             output_full_scale_uv: 2_500_000,
             channel_step_ns: 0,

@@ -2,10 +2,12 @@
 
 use super::Board;
 use crate::config::Config;
+use crate::motor_check::MotorCheck;
 use crate::ports::Ports;
 use crate::profile::{Generator, Profile};
-use crate::safety::{State, Watch};
+use crate::safety::Watch;
 use crate::sealed::Sealed;
+use crate::state::State;
 use crate::velocity::SpeedLoop;
 use crate::{Fault, Refusal, Request};
 
@@ -57,7 +59,7 @@ impl<P: Ports, const N: usize> Board<'_, P, N> {
 
     fn configure(&mut self, config: Config) -> Result<(), Refusal> {
         self.expect(State::Idle)?;
-        config.check_below(&P::CEILINGS)?;
+        config.check_for::<P>()?;
         self.schedule.set_period(config.sample_period_us);
         self.config = Sealed::new(config);
         self.loaded = Sealed::new(None);
@@ -80,6 +82,9 @@ impl<P: Ports, const N: usize> Board<'_, P, N> {
         self.ahead = None;
         self.speed_loop = SpeedLoop::new(&self.config().speed, self.config().sample_period_us);
         self.watch = Watch::new(self.config());
+        if P::WATCHES_MOTOR {
+            self.motor = MotorCheck::new(self.config());
+        }
         self.limited = 0;
         self.limit_us = profile.longest_us();
         self.enter(State::Armed);

@@ -10,6 +10,8 @@ struct Still {
 }
 
 impl Ports for Still {
+    type Count = i16;
+
     fn now_us(&mut self) -> u64 {
         self.now_us
     }
@@ -70,7 +72,7 @@ const PROFILE_FIELDS: [fn(&mut Profile); 4] = [
 
 #[test]
 fn every_bit_that_flips_in_the_configuration_cuts_the_output_at_the_next_tick() {
-    let mut ring = Ring::<4>::new();
+    let mut ring = Ring::<i16, 4>::new();
     let mut board = Board::new(Still::default(), ring.split().0);
     for request in [Request::Load(profile()), Request::Arm, Request::Run] {
         board.handle(request).unwrap();
@@ -111,7 +113,7 @@ fn every_bit_that_flips_in_the_configuration_cuts_the_output_at_the_next_tick() 
 /// At rest a broken configuration commands nothing; it does not arm, and a new one replaces it.
 #[test]
 fn a_broken_configuration_never_arms() {
-    let mut ring = Ring::<4>::new();
+    let mut ring = Ring::<i16, 4>::new();
     let mut board = Board::new(Still::default(), ring.split().0);
     board.handle(Request::Load(profile())).unwrap();
     board.config.edit(|config| config.output.clamp_uv ^= 1 << 23);

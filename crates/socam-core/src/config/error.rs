@@ -23,6 +23,12 @@ pub enum ConfigError {
     HostTimeout(u32),
     /// `confirm_samples` is 0, or `moving_uv` is negative.
     Watch,
+    /// The motor's winding or its channels are not positive or do not exist.
+    Motor,
+    /// This channel is an encoder's, and the board has none.
+    NoEncoder(u8),
+    /// There is a motor, and this board compares none with its encoder.
+    NoMotor,
     /// No channel has anything that would end a run.
     NoLimits,
     /// The clamp exceeds what this board puts out.
@@ -55,6 +61,15 @@ impl fmt::Display for ConfigError {
             ),
             Self::HostTimeout(us) => write!(f, "host timeout is {us} us; it must be 10 ms to 10 s"),
             Self::Watch => f.write_str("confirm_samples must be at least 1 and moving_uv at least 0"),
+            Self::Motor => f.write_str(
+                "the motor's resistance, back-EMF and times must be positive, and its speed, current, voltage and supply channels must exist",
+            ),
+            Self::NoEncoder(i) => {
+                write!(f, "channel {i} is an encoder's, and this board has no encoders: give a calibration for this board")
+            }
+            Self::NoMotor => {
+                f.write_str("this board cannot compare a motor with its encoder: give a calibration for this board")
+            }
             Self::NoLimits => f.write_str(
                 "no channel has a limit, a rail or a test of its sensor, so nothing would stop the bench: give one channel a `limit`",
             ),

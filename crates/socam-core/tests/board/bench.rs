@@ -22,6 +22,8 @@ pub(crate) struct Bench {
 }
 
 impl Ports for Bench {
+    type Count = i16;
+
     const CEILINGS: Ceilings = Ceilings {
         output_uv: 5_000_000,
         speed_urad_s: 250_000_000,

@@ -1,6 +1,7 @@
 //! The board on hardware with every failure that the ports allow.
 
 mod bench;
+mod motor;
 
 use bench::{Bench, RING, attended, bench, constant, running, ticks};
 use proptest::prelude::*;
@@ -19,7 +20,7 @@ fn a_run_goes_from_zero_to_zero_and_every_sample_arrives() {
     assert_eq!(board.status().state, State::Idle);
     assert_eq!((board.ports_mut().output, board.ports_mut().enabled), (0, false));
 
-    let samples: Vec<Sample> = std::iter::from_fn(|| consumer.pop()).collect();
+    let samples: Vec<Sample<i16>> = std::iter::from_fn(|| consumer.pop()).collect();
     assert!(samples.iter().enumerate().all(|(i, s)| s.seq == i as u32 && s.tick == 1 + i as u32));
     // 1.5 V at 20 V/s: 75 samples up, and down again after three seconds.
     assert_eq!(samples[74].output_count, 4915);
@@ -130,7 +131,7 @@ fn each_fault_cuts_the_output_at_the_next_tick_and_is_named() {
 
 #[test]
 fn an_enable_line_that_is_high_at_rest_is_a_fault_that_comes_back() {
-    let mut ring = Ring::<RING>::new();
+    let mut ring = Ring::<i16, RING>::new();
     let (producer, _consumer) = ring.split();
     let mut board = Board::new(bench(), producer);
     board.ports_mut().line_stuck = Some(true);
@@ -143,7 +144,7 @@ fn an_enable_line_that_is_high_at_rest_is_a_fault_that_comes_back() {
 
 #[test]
 fn nothing_asks_a_board_for_more_than_its_ceilings() {
-    let mut ring = Ring::<RING>::new();
+    let mut ring = Ring::<i16, RING>::new();
     let (producer, _consumer) = ring.split();
     let mut board = Board::new(bench(), producer);
     let config = |change: fn(&mut Config)| {
@@ -181,7 +182,7 @@ fn nothing_asks_a_board_for_more_than_its_ceilings() {
 /// A profile ends after its number of ticks; where ticks come too slowly, the clock ends it.
 #[test]
 fn a_run_whose_ticks_are_slow_ends_by_the_clock() {
-    let mut ring = Ring::<RING>::new();
+    let mut ring = Ring::<i16, RING>::new();
     let (producer, _consumer) = ring.split();
     let mut board = Board::new(bench(), producer);
     // The time limit of the profile is 3 s, with 0.075 s to slew down and 1 s to be late.
@@ -200,7 +201,7 @@ fn a_run_whose_ticks_are_slow_ends_by_the_clock() {
 
 #[test]
 fn refusals_say_what_is_needed() {
-    let mut ring = Ring::<RING>::new();
+    let mut ring = Ring::<i16, RING>::new();
     let (producer, _consumer) = ring.split();
     let mut board = Board::new(bench(), producer);
     assert_eq!(board.handle(Request::Arm), Err(Refusal::NoProfile));
@@ -271,7 +272,7 @@ proptest! {
     /// its clamp.
     #[test]
     fn the_output_is_live_only_where_it_may_be(events in prop::collection::vec(any_event(), 1..60)) {
-        let mut ring = Ring::<RING>::new();
+        let mut ring = Ring::<i16, RING>::new();
         let (producer, _consumer) = ring.split();
         let mut board = Board::new(bench(), producer);
         let mut cause: Option<Fault> = None;

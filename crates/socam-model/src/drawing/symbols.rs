@@ -3,6 +3,9 @@
 use super::{Item, Paint, Point, Shape};
 use crate::layout::ElementKind;
 
+/// Half the width of a letter of a name, at most.
+const HALF_LETTER: f64 = 3.4;
+
 /// Half the width of a symbol; the wire begins there.
 pub(super) fn half_width(kind: ElementKind) -> f64 {
     match kind {
@@ -97,7 +100,10 @@ pub(super) fn chain(items: &mut Vec<Item>, kind: ElementKind, origin: Point) {
                 pen.circle(Paint::Teeth, [x, 0.0], radius);
                 pen.circle(Paint::Body, [x, 0.0], radius - 1.5);
             }
-            pen.text(Paint::Name, [0.0, 29.0], self::ratio(ratio));
+            // A longer ratio ends where one of five letters ends: a diamond may stand to the right of it.
+            let ratio = self::ratio(ratio);
+            let longer = ratio.chars().count().saturating_sub(5) as f64;
+            pen.text(Paint::Name, [-HALF_LETTER * longer, 29.0], ratio);
         }
         ElementKind::Shaft => {
             let corners = [[-30.0, -3.5], [30.0, -3.5], [30.0, 3.5], [-30.0, 3.5], [-30.0, -3.5]];

@@ -1,5 +1,6 @@
 //! A calibration: its values and their defaults.
 
+use socam_core::BoardKind;
 use socam_core::scaling::{Converter, MotorCalibration, RAD_S_PER_RPM, Sensor};
 
 use crate::{Channel, Unit};
@@ -26,6 +27,8 @@ pub(super) const COMMAND: &str = "command";
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
+    /// Kind of board that it is for.
+    pub board: BoardKind,
     /// The input converter.
     pub input: Converter,
     /// The output converter.
@@ -40,7 +43,9 @@ pub struct Calibration {
     pub speed_control: SpeedGains,
     /// Limits that end a run.
     pub safety: Safety,
-    /// The input channels, in the converter's order.
+    /// The motor's winding, where its board compares it with its encoder.
+    pub winding: Option<Winding>,
+    /// The input channels, in the board's order.
     pub channels: Vec<CalibratedChannel>,
 }
 
@@ -77,13 +82,28 @@ pub struct Safety {
     pub missing_s: f64,
 }
 
+/// The winding of a gearmotor, with which its board checks encoder, shaft and supply.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Winding {
+    /// Resistance of winding, bridge and leads, ohm.
+    pub resistance_ohm: f64,
+    /// V s/rad, of the shaft that the first encoder is on.
+    pub back_emf_v_s: f64,
+    /// Longest time for which encoder and winding may contradict each other, s.
+    pub contradiction_s: f64,
+    /// Lowest voltage of the supply, V.
+    pub lowest_supply_v: f64,
+}
+
 /// One input channel. Values are in the SI unit of `channel`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibratedChannel {
     /// Name and SI unit.
     pub channel: Channel,
-    /// Volts over SI.
+    /// Volts over SI; nothing where the channel is an encoder's.
     pub sensor: Sensor,
+    /// Counts per turn of the encoder that the channel is of, negative where it counts backwards.
+    pub counts_per_turn: Option<f64>,
     /// Largest allowed magnitude.
     pub limit: Option<f64>,
     /// Longest time of one repeated count while the bench moves, s.
@@ -101,6 +121,7 @@ impl Default for Calibration {
         let channel = |name: &str, unit, sensor, limit, missing_below| CalibratedChannel {
             channel: Channel::new(name, unit),
             sensor,
+            counts_per_turn: None,
             limit: Some(limit),
             stuck_s: Some(0.025),
             missing_below,
@@ -109,6 +130,7 @@ impl Default for Calibration {
         };
         let krpm = 1000.0 * RAD_S_PER_RPM;
         Self {
+            board: BoardKind::Analog,
             input: Converter::DEFAULT,
             output: Converter::DEFAULT,
             clamp_v: 4.99,
@@ -120,6 +142,7 @@ impl Default for Calibration {
                 integral_per_s: 0.1,
             },
             safety: Safety { host_timeout_s: 0.5, confirm_samples: 1, moving_v: 0.5, missing_s: 0.5 },
+            winding: None,
             channels: vec![
                 channel("motor_speed", Unit::RadPerS, Sensor::MOTOR_SPEED, 1.425 * krpm, Some(0.01 * krpm)),
                 channel(

@@ -8,17 +8,29 @@ mod tests;
 use std::path::Path;
 
 use socam_core::scaling::{self, Converter, micro};
-use socam_core::{ChannelKind, Config, ConfigError, MAX_CHANNELS, Output, SpeedControl};
+use socam_core::{
+    ChannelKind, Config, ConfigError, GearmotorChannel, MAX_CHANNELS, MotorWatch, Output, Scale,
+    SpeedControl, encoder,
+};
 
 use crate::settings::{self, SettingsError};
 use crate::{Channel, Unit};
 use data::COMMAND;
-pub use data::{CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains};
+pub use data::{CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains, Winding};
 
 /// The default bench: the thesis' constants, or the nearest possible ones.
 const DEFAULT: &str = include_str!("../calibrations/speed-o-cam.toml");
 
+/// A gearmotor with an encoder on its motor and one on its output.
+const GEARMOTOR: &str = include_str!("../calibrations/gearmotor.toml");
+
 impl Calibration {
+    /// The TOML text of a gearmotor board's calibration: a file to start from.
+    #[must_use]
+    pub fn gearmotor_text() -> &'static str {
+        GEARMOTOR
+    }
+
     /// The TOML text of the default bench's calibration: a file to start from.
     #[must_use]
     pub fn default_text() -> &'static str {
@@ -38,9 +50,13 @@ impl Calibration {
     }
 
     /// One sample in SI, in the order of [`Self::recorded_channels`].
-    pub fn values<'a>(&'a self, output_count: i16, counts: &'a [i16]) -> impl Iterator<Item = f64> + 'a {
+    pub fn values<'a>(&'a self, output_count: i16, counts: &'a [i32]) -> impl Iterator<Item = f64> + 'a {
         let inputs = self.channels.iter().zip(counts);
-        let inputs = inputs.map(|(channel, &count)| channel.sensor.value(self.input.volts(count)));
+        let volts_per_count = self.input.volts_per_count();
+        let inputs = inputs.map(move |(channel, &count)| match channel.rad_per_count() {
+            Some(rad_per_count) => f64::from(count) * rad_per_count,
+            None => channel.sensor.value(f64::from(count) * volts_per_count),
+        });
         std::iter::once(self.output.volts(output_count)).chain(inputs)
     }
 
@@ -77,6 +93,7 @@ impl Calibration {
             confirm_samples: self.safety.confirm_samples,
             moving_uv: micro(self.safety.moving_v),
             missing_after_us: us(self.safety.missing_s),
+            motor: self.winding.map(Winding::watched),
         };
         let is_within = self.output.count(self.clamp_v) < self.output.highest_count();
         let sound = if is_within { config.check() } else { Err(ConfigError::Output) };
@@ -85,17 +102,52 @@ impl Calibration {
     }
 }
 
+impl Winding {
+    fn watched(self) -> MotorWatch {
+        let index = |channel: GearmotorChannel| channel.index() as u8;
+        MotorWatch {
+            speed: index(GearmotorChannel::MotorSpeed),
+            current: index(GearmotorChannel::MotorCurrent),
+            voltage: index(GearmotorChannel::MotorVoltage),
+            supply: index(GearmotorChannel::SupplyVoltage),
+            resistance_q16: (self.resistance_ohm * 65_536.0).round() as i32,
+            back_emf_q24: (self.back_emf_v_s * 16_777_216.0).round() as i32,
+            after_us: us(self.contradiction_s),
+            lowest_supply_uv: micro(self.lowest_supply_v),
+        }
+    }
+}
+
 impl CalibratedChannel {
+    /// rad or rad/s per count of an encoder; `None` for a converter's channel.
+    #[must_use]
+    pub fn rad_per_count(&self) -> Option<f64> {
+        let bits =
+            if self.channel.unit == Unit::RadPerS { encoder::SPEED_BITS } else { encoder::POSITION_BITS };
+        let per_turn = self.counts_per_turn?;
+        Some(std::f64::consts::TAU / (per_turn * f64::from(1u32 << bits)))
+    }
+
+    fn scale(&self, converter: &Converter) -> Scale {
+        self.rad_per_count().map_or_else(
+            || self.sensor.scale(converter),
+            |rad| Scale { micro_per_count_q16: (rad * 1e6 * 65_536.0).round() as i64, offset_micro: 0 },
+        )
+    }
+
     fn watched(&self, converter: &Converter) -> socam_core::Channel {
         socam_core::Channel {
-            kind: match self.channel.unit {
-                Unit::RadPerS => ChannelKind::Speed,
-                Unit::Nm => ChannelKind::Torque,
+            kind: match (self.channel.unit, self.counts_per_turn) {
+                (Unit::RadPerS, Some(_)) => ChannelKind::EncoderSpeed,
+                (_, Some(_)) => ChannelKind::EncoderAngle,
+                (Unit::RadPerS, None) => ChannelKind::Speed,
+                (Unit::Nm, None) => ChannelKind::Torque,
+                (Unit::A, None) => ChannelKind::Current,
                 _ => ChannelKind::Other,
             },
-            scale: self.sensor.scale(converter),
+            scale: self.scale(converter),
             limit_micro: self.limit.map(micro),
-            saturation_count: Some(converter.highest_count()),
+            saturation_count: self.counts_per_turn.is_none().then(|| converter.highest_count()),
             stuck_after_us: self.stuck_s.map(us),
             missing_below_micro: self.missing_below.map(micro),
         }

@@ -1,9 +1,9 @@
 //! Reads a calibration from TOML.
 
-use socam_core::MAX_CHANNELS;
 use socam_core::scaling::{Converter, MotorCalibration, RAD_S_PER_RPM, Sensor};
+use socam_core::{BoardKind, MAX_CHANNELS};
 
-use super::data::{COMMAND, CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains};
+use super::data::{COMMAND, CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains, Winding};
 use crate::settings::{Fields, SettingsError};
 use crate::{Channel, Unit};
 
@@ -32,6 +32,7 @@ impl Calibration {
         let default = Self::default();
         let mut fields = Fields::parse(text)?;
         fields.schema(SCHEMA);
+        let board = read_board(&mut fields);
         let input = fields.table("input", read_converter);
         let (output, clamp_v) = fields.table("output", |table| {
             let clamp_v = table.maybe_number("clamp_V", 1e-3..=1000.0).unwrap_or(default.clamp_v);
@@ -69,9 +70,17 @@ impl Calibration {
             moving_v: table.maybe_number("moving_V", 0.0..=1000.0).unwrap_or(default.safety.moving_v),
             missing_s: table.maybe_number("missing_s", 1e-3..=1000.0).unwrap_or(default.safety.missing_s),
         });
+        let winding = fields.is_given("winding").then(|| {
+            fields.table("winding", |table| Winding {
+                resistance_ohm: table.number("resistance_ohm", 1e-3..=1e4),
+                back_emf_v_s: table.number("back_emf_V_s_per_rad", 1e-5..=100.0),
+                contradiction_s: table.maybe_number("contradiction_s", 1e-3..=10.0).unwrap_or(0.1),
+                lowest_supply_v: table.maybe_number("lowest_supply_V", 0.0..=1000.0).unwrap_or(0.0),
+            })
+        });
         let mut names = Vec::new();
         let channels = fields.tables("channel", |table| {
-            let channel = read_channel(table);
+            let channel = read_channel(table, board);
             let name = channel.channel.name.clone();
             if name == COMMAND || names.contains(&name) {
                 table
@@ -83,8 +92,50 @@ impl Calibration {
         if channels.len() > MAX_CHANNELS {
             fields.complain(format!("{} channels; a board has at most {MAX_CHANNELS}", channels.len()));
         }
+        check_board(&mut fields, board, &channels, winding.as_ref());
         fields.finish()?;
-        Ok(Self { input, output, clamp_v, motor, motor_std, speed_control, safety, channels })
+        Ok(Self { board, winding, input, output, clamp_v, motor, motor_std, speed_control, safety, channels })
+    }
+}
+
+/// Units of a gearmotor board's channels, in its order; the first four are encoders'.
+const GEARMOTOR: [Unit; MAX_CHANNELS] =
+    [Unit::Rad, Unit::RadPerS, Unit::Rad, Unit::RadPerS, Unit::A, Unit::A, Unit::V, Unit::V];
+
+const ENCODER_CHANNELS: usize = 4;
+
+fn read_board(fields: &mut Fields<'_>) -> BoardKind {
+    let kinds = [("analog", BoardKind::Analog), ("gearmotor", BoardKind::Gearmotor)];
+    fields.maybe_choice("board", &kinds).unwrap_or(BoardKind::Analog)
+}
+
+/// Compares channels with what the board has.
+fn check_board(
+    fields: &mut Fields<'_>,
+    board: BoardKind,
+    channels: &[CalibratedChannel],
+    winding: Option<&Winding>,
+) {
+    let is_encoder = |channel: &CalibratedChannel| channel.counts_per_turn.is_some();
+    match board {
+        BoardKind::Analog if winding.is_some() => {
+            fields.complain("[winding] needs `board = \"gearmotor\"`".to_owned());
+        }
+        BoardKind::Analog => {}
+        BoardKind::Gearmotor => {
+            let fits = channels.len() == MAX_CHANNELS
+                && channels.iter().zip(GEARMOTOR).enumerate().all(|(place, (channel, unit))| {
+                    channel.channel.unit == unit && is_encoder(channel) == (place < ENCODER_CHANNELS)
+                });
+            if !fits {
+                fields.complain(
+                    "a gearmotor board has these channels in this order: angle (rad) and speed (rad/s or rpm) of the motor's encoder, the same of \
+                     the output's encoder, each with `counts_per_turn`; current of the motor and of the supply (A), voltage of the supply \
+                     and of the motor (V), each with `volts_per_unit`"
+                        .to_owned(),
+                );
+            }
+        }
     }
 }
 
@@ -96,18 +147,29 @@ fn read_converter(table: &mut Fields<'_>) -> Converter {
     }
 }
 
-fn read_channel(table: &mut Fields<'_>) -> CalibratedChannel {
+fn read_channel(table: &mut Fields<'_>, board: BoardKind) -> CalibratedChannel {
     let name = table.text("name");
     if !name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') {
         table.complain(format!("`name` is \"{name}\"; expected letters, digits and underscores"));
     }
     let (unit, si) = table.choice("unit", &UNITS);
-    let volts_per_unit = table.number("volts_per_unit", -1e6..=1e6);
+    let counts_per_turn = match board {
+        BoardKind::Analog => None,
+        BoardKind::Gearmotor => table.maybe_number("counts_per_turn", -1e9..=1e9),
+    };
+    let volts_per_unit =
+        if counts_per_turn.is_some() { 1.0 } else { table.number("volts_per_unit", -1e6..=1e6) };
+    if counts_per_turn.is_some_and(|counts| counts.abs() < 1.0) {
+        table.complain(
+            "`counts_per_turn` is less than 1; expected four times the lines of the encoder".to_owned(),
+        );
+    }
     if volts_per_unit.abs() < 1e-9 {
         table.complain("`volts_per_unit` is 0; expected the sensor's sensitivity".to_owned());
     }
     CalibratedChannel {
         channel: Channel::new(name, unit),
+        counts_per_turn,
         sensor: Sensor {
             volts_per_unit: volts_per_unit / si,
             offset_v: table.maybe_number("offset_V", -1000.0..=1000.0).unwrap_or(0.0),

@@ -46,8 +46,8 @@ pub struct ProfileFile {
 }
 
 /// Names and texts of the built-in profiles. They suit the default bench: below 1300 rpm, inside the tachometers' +-10 V, and below
-/// the torque limits even if the motor followed every command without delay.
-const BUILT_IN: [(&str, &str); 7] = [
+/// the torque limits even if the motor followed every command without delay. The last one suits the gearmotor of the model of this name.
+const BUILT_IN: [(&str, &str); 8] = [
     ("multisine", include_str!("../profiles/multisine.toml")),
     ("steps", include_str!("../profiles/steps.toml")),
     ("triangle", include_str!("../profiles/triangle.toml")),
@@ -55,6 +55,7 @@ const BUILT_IN: [(&str, &str); 7] = [
     ("prbs", include_str!("../profiles/prbs.toml")),
     ("reversals", include_str!("../profiles/reversals.toml")),
     ("sine", include_str!("../profiles/sine.toml")),
+    ("gearmotor", include_str!("../profiles/gearmotor.toml")),
 ];
 
 const SCHEMA: &str = "socam.profile/1";

@@ -22,7 +22,10 @@ fn built_in_profiles_suit_the_default_bench_and_survive_writing() {
                 }
             }
             let rpm = MotorCalibration::LOADED.speed_rad_s(f64::from(highest) * 1e-6) / RAD_S_PER_RPM;
-            assert!(rpm < 1300.0, "{name} reaches {rpm} rpm");
+            // Volts of an H-bridge, not of the default bench's drive.
+            let is_bridge = name == "gearmotor";
+            assert!(!is_bridge || highest <= 6_000_000, "{name} reaches {highest} uV");
+            assert!(is_bridge || rpm < 1300.0, "{name} reaches {rpm} rpm");
             assert!(highest > 500_000, "{name} hardly moves");
         }
     }

@@ -2,7 +2,8 @@
 
 use socam_core::Request;
 use socam_wire::{
-    Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, LinkError, MAX_FRAME, Start, Text, ToBoard,
+    BoardKind, Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, LinkError, MAX_FRAME, Start,
+    Text, ToBoard,
 };
 
 pub(crate) fn frame<M: serde::Serialize>(encoder: &mut Encoder, message: &M) -> Vec<u8> {
@@ -19,8 +20,12 @@ pub(crate) fn decode<M: serde::de::DeserializeOwned>(
 }
 
 pub(crate) fn identity() -> Identity {
-    let front_end =
-        FrontEnd { input_full_scale_uv: 10_240_000, output_full_scale_uv: 10_000_000, channel_step_ns: 3500 };
+    let front_end = FrontEnd {
+        kind: BoardKind::Analog,
+        input_full_scale_uv: 10_240_000,
+        output_full_scale_uv: 10_000_000,
+        channel_step_ns: 3500,
+    };
     Identity {
         board: Text::new("bench 7, serial 0123456789abcdef"),
         firmware: Text::new("0.1.0"),

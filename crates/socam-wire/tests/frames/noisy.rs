@@ -1,7 +1,8 @@
 //! Ten minutes at 10 kHz over a link on which one byte in a thousand is damaged: what arrives is right, and the rest is counted.
 
 use socam_core::{
-    Board, Channel, Command, Config, ConverterSilent, Ports, Profile, Request, Ring, Sample, Shape, State,
+    Board, Channel, Command, Config, ConverterSilent, Layout, Ports, Profile, Request, Ring, Sample, Shape,
+    State,
 };
 use socam_wire::{BoardLink, Decoder, Encoder, LinkCounts, MAX_FRAME, ToHost};
 
@@ -24,6 +25,8 @@ struct Known {
 }
 
 impl Ports for Known {
+    type Count = i16;
+
     fn now_us(&mut self) -> u64 {
         self.now_us
     }
@@ -91,7 +94,7 @@ impl Account {
         // The stream begins at the first tick.
         assert_eq!(sample.tick, sample.seq + 1);
         for (channel, count) in (0..u32::from(CHANNELS)).zip(sample.counts) {
-            assert_eq!(count, reading(sample.tick, channel), "tick {}", sample.tick);
+            assert_eq!(count, i32::from(reading(sample.tick, channel)), "tick {}", sample.tick);
         }
         assert!(sample.seq >= self.next_seq, "a sample came twice");
         self.lost += sample.seq - self.next_seq;
@@ -123,7 +126,7 @@ fn profile() -> Profile {
 
 #[test]
 fn ten_minutes_at_10_khz_over_a_bad_link_falsify_nothing() {
-    let mut ring = Ring::<1024>::new();
+    let mut ring = Ring::<i16, 1024>::new();
     let (producer, consumer) = ring.split();
     let mut board = Board::new(Known { now_us: 0 }, producer);
     let mut link = BoardLink::new(identity(), consumer);
@@ -151,7 +154,7 @@ fn ten_minutes_at_10_khz_over_a_bad_link_falsify_nothing() {
                 down.pass(&out[..len], &mut received);
             }
         }
-        while let Some(len) = link.samples(CHANNELS, 32, &mut out) {
+        while let Some(len) = link.samples(Layout::narrow(CHANNELS), 32, &mut out) {
             down.pass(&out[..len], &mut received);
         }
         let mut bytes = received.as_slice();

@@ -197,7 +197,7 @@ impl<'s> Run<'s> {
             }
             let Some(ticks) = self.place(&sample) else { continue };
             self.columns.read(&self.calibration, &sample, inputs, &mut self.values);
-            self.counts.extend(sample.counts[..inputs].iter().map(|count| i32::from(*count)));
+            self.counts.extend_from_slice(&sample.counts[..inputs]);
             rows.push((ticks, sample.flags.0));
             self.tell_phase(&sample);
         }

@@ -2,10 +2,10 @@
 
 use std::collections::VecDeque;
 
-use socam_core::{Flags, MAX_CHANNELS, Refusal, Sample, State};
+use socam_core::{Flags, Layout, MAX_CHANNELS, Refusal, Sample, State};
 use socam_wire::{
-    Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, SampleBatch, Start, Text,
-    ToBoard, ToHost,
+    BoardKind, Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, SampleBatch, Start,
+    Text, ToBoard, ToHost,
 };
 
 use super::*;
@@ -55,6 +55,7 @@ impl Write for Endless {
                     board: Text::new("endless"),
                     firmware: Text::new("0"),
                     front_end: FrontEnd {
+                        kind: BoardKind::Analog,
                         input_full_scale_uv: 10_000_000,
                         output_full_scale_uv: 10_000_000,
                         channel_step_ns: 0,
@@ -97,7 +98,7 @@ impl Read for Endless {
                     ..Sample::default()
                 };
                 self.tick += 1;
-                self.send(&ToHost::Samples(SampleBatch::new(&sample, channels)));
+                self.send(&ToHost::Samples(SampleBatch::new(&sample, Layout::narrow(channels))));
             }
         }
         let count = buffer.len().min(self.outgoing.len());
