@@ -3,15 +3,17 @@
 mod bus;
 mod canopen;
 mod dynamixel;
+mod frame;
 mod moteus;
 mod motor;
 mod odrive;
 mod odrive_can;
 mod slcan;
 
-pub use bus::{BusSimulator, Frame, Node};
+pub use bus::{BusSimulator, Node};
 pub use canopen::CanopenSimulator;
 pub use dynamixel::DynamixelSimulator;
+pub use frame::Frame;
 pub use moteus::MoteusSimulator;
 pub use motor::{Inertia, Mishap, Motor};
 pub use odrive::{Firmware, OdriveSimulator};
