@@ -9,6 +9,9 @@ const QUIET_NS: i64 = ANSWER_NS + 25_000_000;
 /// Longest time for which late answers are waited for, ns.
 const DRAINED_NS: i64 = 2_000_000_000;
 
+/// What is said of an answer to no question.
+pub(crate) const UNASKED: &str = "an answer came that was not asked for";
+
 /// Questions at an interval, one at a time.
 #[derive(Debug)]
 pub(crate) struct Asking {
@@ -73,7 +76,7 @@ impl Asking {
         }
         self.late(arrival_ns);
         let Some(since_ns) = asked_ns.map(|asked_ns| doubtful_ns.unwrap_or(asked_ns)) else {
-            return Heard::Damaged("an answer came that was not asked for");
+            return Heard::Damaged(UNASKED);
         };
         let spread_ns = arrival_ns.saturating_sub(since_ns);
         Heard::Row(Row { device_s: None, number: None, arrival_ns, spread_ns, values })

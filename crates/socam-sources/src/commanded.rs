@@ -6,6 +6,7 @@ use socam_core::{Generator, Profile, ProfileError};
 use socam_recording::Channel;
 use socam_units::Unit;
 
+use crate::asking::UNASKED;
 use crate::device::{Chunk, Device, Heard, Numbering, Row};
 use crate::drive::{Drive, Limits, Order, Readiness, Standing};
 use crate::error::Result;
@@ -50,6 +51,8 @@ pub struct Commanded<D> {
     is_prepared: bool,
     /// A stop leaves at the next poll, whatever the rhythm of questions.
     is_urgent: bool,
+    /// Answers to stops that left between questions.
+    extra: u32,
     /// Why the run ends before its profile.
     reason: Option<String>,
     is_stopped_by_operator: bool,
@@ -82,6 +85,7 @@ impl<D: Drive> Commanded<D> {
             rest_since_ns: None,
             is_prepared: false,
             is_urgent: false,
+            extra: 0,
             reason: None,
             is_stopped_by_operator: false,
         })
@@ -264,6 +268,8 @@ impl<D: Drive> Device for Commanded<D> {
                         self.stop(now_ns, reason);
                     }
                 }
+                // A stop that left between questions is answered too.
+                Heard::Damaged(UNASKED) if self.extra > 0 => self.extra -= 1,
                 other => heard.push(other),
             }
         }
@@ -284,6 +290,7 @@ impl<D: Drive> Device for Commanded<D> {
         }
         if std::mem::take(&mut self.is_urgent) {
             out.extend(self.drive.bytes(Order::Stop));
+            self.extra += 1;
         }
         self.drive.order(order);
         let before = out.len();

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use super::bus::{Frame, Node};
+use super::bus::Node;
+use super::frame::Frame;
 use super::motor::{Motor, Want};
 
 /// Counts of its encoder per turn.

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::bus::{Frame, Node};
+use super::bus::Node;
+use super::frame::Frame;
 use super::motor::{Mishap, Motor, Want};
 use super::odrive::Firmware;
 

@@ -1,6 +1,6 @@
 //! A simulated adapter of CAN that speaks slcan.
 
-use super::bus::Frame;
+use super::frame::Frame;
 
 /// An adapter. It hands on frames once it is open, and sends some if it was opened for that.
 #[derive(Debug, Default)]
