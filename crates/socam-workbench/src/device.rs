@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Addresses by way of example, with what each is.
-pub const FORMS: [(&str, &str); 9] = [
+pub const FORMS: [(&str, &str); 15] = [
     ("sim", "a virtual bench in this program"),
     ("serial", "the board on USB"),
     ("tcp:bench:4711", "a board behind a network"),
@@ -12,7 +12,13 @@ pub const FORMS: [(&str, &str); 9] = [
     ("text+tcp:bench:4712", "lines of text from a server"),
     ("moteus:/dev/ttyACM0?id=1", "a moteus servo drive behind an fdcanusb"),
     ("odrive:/dev/ttyACM0?axis=0", "an ODrive on USB"),
-    ("slcan:/dev/ttyACM0?bitrate=500k", "a CAN bus, with a DBC"),
+    ("dynamixel:/dev/ttyUSB0?id=1,2&baud=57600", "Dynamixel servos on one bus"),
+    ("feetech:/dev/ttyACM0?id=1,2", "Feetech servos on one bus"),
+    ("slcan:/dev/ttyACM0?bitrate=500k", "a CAN bus behind an adapter, with a DBC"),
+    ("socketcan:can0", "a CAN interface of Linux, with a DBC"),
+    ("odrive+socketcan:can0?node=1", "an ODrive on a CAN bus"),
+    ("canopen+socketcan:can0?node=5", "a drive with CANopen, with a list of its objects as the description"),
+    ("foxglove:robot:8765?topics=/joint_states", "topics of a Foxglove WebSocket server"),
 ];
 
 /// What is said of a device beside its address.
@@ -32,7 +38,7 @@ pub struct Stated {
 pub enum Needs {
     /// Nothing: it states everything itself.
     Nothing,
-    /// A description, if it is a device of text.
+    /// A description, if it is a device that does not state its units.
     Description,
     /// A DBC.
     Dbc,
@@ -44,9 +50,9 @@ impl Needs {
     pub fn of(address: &str) -> Self {
         let address = address.trim();
         let begins = |kinds: &[&str]| kinds.iter().any(|kind| address.starts_with(kind));
-        if begins(&["slcan:"]) {
+        if begins(&["slcan:", "socketcan:"]) {
             Self::Dbc
-        } else if begins(&["serial:", "tcp:", "udp:", "text+"]) {
+        } else if begins(&["serial:", "tcp:", "udp:", "text+", "foxglove:", "canopen+"]) {
             Self::Description
         } else {
             Self::Nothing
@@ -161,7 +167,9 @@ mod tests {
             [needs("serial:/dev/ttyACM0"), needs(" udp:0.0.0.0:1"), needs("text+tcp:a:1")],
             [Needs::Description; 3]
         );
-        assert_eq!(needs("slcan:/dev/ttyACM0?bitrate=500k"), Needs::Dbc);
+        assert_eq!([needs("slcan:/dev/ttyACM0?bitrate=500k"), needs("socketcan:can0")], [Needs::Dbc; 2]);
+        assert_eq!([needs("foxglove:a:1"), needs("canopen+slcan:b?node=1")], [Needs::Description; 2]);
+        assert_eq!(needs("odrive+socketcan:can0?node=1"), Needs::Nothing);
     }
 
     #[test]
