@@ -49,6 +49,7 @@ impl Generation {
     }
 
     /// The bit of an error that its watchdog sets.
+    #[cfg(feature = "can")]
     pub(crate) fn watchdog(self) -> u64 {
         if self == Self::Early { 0x800 } else { 0x100_0000 }
     }

@@ -1,10 +1,14 @@
 //! `record` of a CAN bus: what its frames hold is said by a DBC, and found by listening.
 
+#[cfg(feature = "formats-can")]
 use std::path::Path;
 
+#[cfg(feature = "formats-can")]
 use anyhow::bail;
 
-use crate::device::source::{Bus, Link, Node, Place, SourceAddress};
+#[cfg(feature = "formats-can")]
+use crate::device::source::{Bus, Place};
+use crate::device::source::{Link, Node, SourceAddress};
 use crate::interrupt::Interrupt;
 use crate::output::WrongArguments;
 
@@ -94,6 +98,7 @@ fn canopen(args: &Args, address: &SourceAddress, node: u8, period_ns: i64) -> an
 }
 
 /// The bus of an address.
+#[cfg(feature = "formats-can")]
 fn bus(address: &SourceAddress) -> anyhow::Result<&Bus> {
     if let Place::Bus(bus) = &address.place { Ok(bus) } else { bail!("{address} is no CAN bus") }
 }

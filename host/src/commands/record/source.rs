@@ -39,6 +39,7 @@ pub(super) struct SourceArgs {
     dbc: Option<PathBuf>,
 }
 
+#[cfg(feature = "formats-can")]
 impl SourceArgs {
     /// The DBC of a bus.
     pub(super) fn dbc(&self) -> Option<&Path> {

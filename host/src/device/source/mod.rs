@@ -9,8 +9,12 @@ mod run;
 #[cfg(all(target_os = "linux", feature = "formats-can"))]
 mod socket;
 
-pub(crate) use address::{Place, Protocol, SourceAddress};
-pub(crate) use bus::{Bus, Node};
+#[cfg(feature = "formats-can")]
+pub(crate) use address::Place;
+pub(crate) use address::{Protocol, SourceAddress};
+#[cfg(feature = "formats-can")]
+pub(crate) use bus::Bus;
+pub(crate) use bus::Node;
 pub(crate) use link::Link;
 pub(crate) use listen::{Listened, listen};
 pub(crate) use report::{SourceEnd, SourcePlan, SourceReport};
