@@ -57,15 +57,15 @@ pub(crate) fn frames(input: Input<'_>) -> bool {
     is_heard(input.bytes, || TextDevice::new(description.clone(), Bounds::Ends))
 }
 
-/// Answers of a moteus, of an ODrive, and of servos.
+/// Answers of a moteus, of an ODrive, and of servos, which are asked between them.
 pub(crate) fn drives(input: Input<'_>) -> bool {
-    let (Ok(_), Ok(_)) = (Moteus::new(1, 1), Odrive::new(0, 1)) else { return false };
-    let moteus = || Moteus::new(1, 1).expect("a number of a moteus");
-    let odrive = || Odrive::new(0, 1).expect("an axis of an ODrive");
-    let dynamixels = || dynamixel::servos(&[1, 2], 1).expect("numbers of Dynamixels");
-    let feetechs = || feetech::servos(&[1, 2], 1).expect("numbers of Feetechs");
-    let drives = is_heard(input.bytes, moteus) | is_heard(input.bytes, odrive);
-    drives | is_heard(input.bytes, dynamixels) | is_heard(input.bytes, feetechs)
+    let (Ok(moteus), Ok(odrive)) = (Moteus::new(1, 1), Odrive::new(0, 1)) else { return false };
+    let (Ok(dynamixels), Ok(feetechs)) = (dynamixel::servos(&[1, 2], 1), feetech::servos(&[1, 2], 1)) else {
+        return false;
+    };
+    let (bytes, end) = (input.bytes, b'\n');
+    let drives = is_answered(moteus, bytes, end) | is_answered(odrive, bytes, end);
+    drives | is_answered(dynamixels, bytes, end) | is_answered(feetechs, bytes, end)
 }
 
 /// Frames of an adapter of CAN, by the DBC of the other parsers.
@@ -101,14 +101,14 @@ pub(crate) fn can_drives(input: Input<'_>) -> bool {
     let mut gateway = Gateway::default();
     gateway.take(b"O\r");
     let _ = gateway.take(input.bytes);
-    is_answered(odrive, input.bytes) | is_answered(canopen, input.bytes)
+    is_answered(odrive, input.bytes, b'\r') | is_answered(canopen, input.bytes, b'\r')
 }
 
-/// Polls a device before each line; says whether there is a row. Numbers of its rows are finite or missing.
-fn is_answered(mut device: impl Device, bytes: &[u8]) -> bool {
+/// Polls a device before each line with this end; says whether there is a row. Numbers of its rows are finite or missing.
+fn is_answered(mut device: impl Device, bytes: &[u8], end: u8) -> bool {
     let (mut heard, mut out, mut now_ns) = (Vec::new(), Vec::new(), 1);
     let width = device.channels().len();
-    for bytes in bytes.split_inclusive(|byte| *byte == b'\r') {
+    for bytes in bytes.split_inclusive(|byte| *byte == end) {
         if device.poll(now_ns, &mut out).is_err() {
             break;
         }
