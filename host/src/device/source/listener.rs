@@ -81,7 +81,6 @@ impl Listener {
     }
 
     /// Packets of other senders, which were left out.
-    #[cfg(feature = "window")]
     pub(crate) fn strangers(&self) -> u64 {
         self.link.strangers
     }
