@@ -223,6 +223,8 @@ fn devices_that_are_asked_record_no_wrong_sample_whatever_they_send() {
             let applies = match hostility {
                 Hostility::OtherNumber => rig.name != "ODrive, text",
                 Hostility::NoNumber => !["Dynamixel", "Feetech", "CANopen"].contains(&rig.name),
+                // Its checksum is one byte: one of 256 random packets is right, as docs/devices.md says.
+                Hostility::Noise => rig.name != "Feetech",
                 _ => true,
             };
             if !applies {
@@ -239,7 +241,7 @@ fn devices_that_are_asked_record_no_wrong_sample_whatever_they_send() {
             let is_quiet = matches!(
                 (hostility, rig.name),
                 (Hostility::OtherNumber | Hostility::Flood | Hostility::Unasked | Hostility::Cut, _)
-                    | (Hostility::Noise, "Dynamixel" | "Feetech")
+                    | (Hostility::Noise, "Dynamixel")
             );
             assert!(exposed.damaged > 0 || is_quiet, "{} {hostility:?} {exposed:?}", rig.name);
         }
