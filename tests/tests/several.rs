@@ -112,7 +112,7 @@ fn what_commands_a_device_and_what_belongs_to_one_alone_is_refused_for_several()
     assert!(refused(&moteus).contains("only listened to or asked"));
     assert!(
         refused(&["--device", "udp:127.0.0.1:2", "--describe", "d.toml"])
-            .contains("exactly one device of text")
+            .contains("exactly one device among several")
     );
     assert!(refused(&["--device", "udp:127.0.0.1:2", "--dbc", "d.dbc"]).contains("exactly one CAN bus"));
 }

@@ -118,11 +118,6 @@ impl DiagnosisPage {
         }
     }
 
-    /// The diagnosis that is shown.
-    pub(crate) fn shown(&self) -> Option<&Shown> {
-        self.shown.as_ref()
-    }
-
     /// Tells the verdict, the findings and what to record next to the rail, once.
     pub(crate) fn tell(&mut self, workspace: &mut Workspace, is_running: bool) {
         if is_running {

@@ -14,7 +14,7 @@ use socam_workbench::signal::Signal;
 const MOST_ROWS: usize = 500_000;
 
 /// Text of a chart without differences.
-pub(super) const WHY_NONE: &str = "no difference here: the other recordings lack this channel, or more than 500 000 rows are shown (zoom in)";
+pub(super) const WHY_NONE: &str = "no difference here: the reference or the other recordings lack this channel, or more than 500 000 rows are shown (zoom in)";
 
 /// Differences of channels between all shown recordings and the reference.
 pub(super) fn curves(

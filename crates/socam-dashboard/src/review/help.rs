@@ -39,6 +39,10 @@ pub(super) const HELP: Help = &[
         "More about ...",
         "menu of a recording, a channel or a plot; Alt+click on a name shows it alone, and again all of them",
     ),
+    (
+        "Time axis of its own",
+        "pans and zooms a plot apart from the others, in its menu; Fit all links all plots again",
+    ),
     ("Search; Ctrl+F", "filters recordings and channels by parts of their names"),
     (
         "a channel, dragged",

@@ -50,6 +50,8 @@ use views::Views;
 pub struct Review {
     /// The time axis of all plots, s; `None` shows everything.
     pub x: Option<[f64; 2]>,
+    /// Time axes of plots that are not linked with the others, s, by the titles of plots.
+    own_x: Vec<(String, [f64; 2])>,
     /// Vertical axes that the user set, by the titles of plots.
     y: Vec<(String, [f64; 2])>,
     plots: Plots,
@@ -187,6 +189,7 @@ impl Review {
     pub fn fit(&mut self) {
         self.x = None;
         self.y.clear();
+        self.own_x.clear();
     }
 
     /// The plots, hidden and derived channels.

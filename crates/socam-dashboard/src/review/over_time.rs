@@ -22,7 +22,12 @@ impl Review {
         let before = (chart.y, chart.right.clone());
         let shown = drawing.show(ui, chart);
         self.linked.take(&shown);
-        self.take_x(&shown);
+        let name = self.plot_name(signals);
+        match self.own_x.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, own)) if shown.x_moved => *own = shown.x,
+            Some(_) if !shown.response.double_clicked() => {}
+            _ => self.take_x(&shown),
+        }
         if shown.y_moved && !shown.response.double_clicked() {
             let title = self.plot_name(signals);
             let right = before.1.map(|right| (of_right(&title), right.moved(before.0, shown.y)));
@@ -50,7 +55,23 @@ impl Review {
         }
     }
 
-    /// Name by which a plot's vertical axis is kept: it is another one in another unit.
+    /// Whether a plot has a time axis of its own.
+    pub(super) fn is_unlinked(&self, signals: &[Signal]) -> bool {
+        let name = self.plot_name(signals);
+        self.own_x.iter().any(|(known, _)| *known == name)
+    }
+
+    /// Gives a plot a time axis of its own, which begins as that of all others, or links it with them again.
+    pub(super) fn toggle_link(&mut self, signals: &[Signal], x: [f64; 2]) {
+        let name = self.plot_name(signals);
+        if self.is_unlinked(signals) {
+            self.own_x.retain(|(known, _)| *known != name);
+        } else {
+            self.own_x.push((name, x));
+        }
+    }
+
+    /// Name by which a plot's axes are kept: it is another one in another unit.
     fn plot_name(&self, signals: &[Signal]) -> String {
         let title = Plot::Time(signals.to_vec()).title();
         let unit = content::axis(signals, &self.units).unit;
@@ -69,8 +90,10 @@ impl Review {
         signals: &[Signal],
         (rect, has_axis): (Rect, bool),
     ) -> Chart {
-        let (x, entries) = (drawing.x, drawing.entries);
+        let entries = drawing.entries;
         let plot = self.plot_name(signals);
+        let own = self.own_x.iter().find(|(known, _)| *known == plot);
+        let x = own.map_or(drawing.x, |(_, own)| *own);
         let (signals, left) = content::by_axis(signals);
         let sides = [&signals[..left], &signals[left..]];
         let signals = &signals[..];

@@ -122,7 +122,8 @@ impl Behavior<Plot> for Panes<'_, '_> {
         if !ui.is_rect_visible(rect) {
             return UiResponse::None;
         }
-        let has_axis = self.lowest.contains(&id.0);
+        // Where times differ, each plot shows its own.
+        let has_axis = self.lowest.contains(&id.0) || !self.review.own_x.is_empty();
         let first = self.drawing.seen.len();
         match plot {
             Plot::Time(signals) => self.review.over_time(ui, self.drawing, signals, (rect, has_axis)),
@@ -186,7 +187,8 @@ const HANDLE: f32 = 20.0;
 impl Panes<'_, '_> {
     /// The handle that moves a tile, its menu and its closing button: at the top right, while the pointer is over the tile.
     fn handles(&mut self, ui: &mut Ui, rect: Rect, (id, first): (TileId, usize), plot: &Plot) -> UiResponse {
-        let is_wanted = ui.rect_contains_pointer(rect) || self.review.menu_of == Some(id);
+        let is_touched = ui.input(egui::InputState::has_touch_screen);
+        let is_wanted = is_touched || ui.rect_contains_pointer(rect) || self.review.menu_of == Some(id);
         if !is_wanted || DragAndDrop::has_any_payload(ui.ctx()) {
             return UiResponse::None;
         }
@@ -205,7 +207,7 @@ impl Panes<'_, '_> {
             grip.on_hover_cursor(egui::CursorIcon::Grab).on_hover_text("Drag this plot to another place");
         let mut menu = ui.new_child(egui::UiBuilder::new().max_rect(place(2.0)));
         menu.spacing_mut().button_padding = vec2(4.0, 1.0);
-        let more = menu.menu_button("...", |ui| self.menu(ui, id, first));
+        let more = menu.menu_button("...", |ui| self.menu(ui, (id, first), plot));
         match more.inner {
             Some(()) => self.review.menu_of = Some(id),
             None if self.review.menu_of == Some(id) => self.review.menu_of = None,
@@ -223,7 +225,18 @@ impl Panes<'_, '_> {
     }
 
     /// `first` is the tile's first chart among those that are drawn.
-    fn menu(&mut self, ui: &mut Ui, id: TileId, first: usize) {
+    fn menu(&mut self, ui: &mut Ui, (id, first): (TileId, usize), plot: &Plot) {
+        if let Plot::Time(signals) = plot {
+            let mut is_own = self.review.is_unlinked(signals);
+            let tick = ui.checkbox(&mut is_own, "Time axis of its own");
+            if tick
+                .on_hover_text("Panned and zoomed apart from the other plots; Fit all links it again")
+                .clicked()
+            {
+                self.review.toggle_link(signals, self.drawing.x);
+                ui.close();
+            }
+        }
         if ui
             .button("Copy values")
             .on_hover_text("The drawn points as a table: chart,line,x_axis,x,y")

@@ -10,6 +10,7 @@ use socam_workbench::arrangement::Arrangement;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct View {
     x: Option<[f64; 2]>,
+    own_x: Vec<(String, [f64; 2])>,
     y: Vec<(String, [f64; 2])>,
     arrangement: Arrangement,
     /// Numbers of the recordings that are not drawn.
@@ -75,6 +76,7 @@ impl Review {
         let shifts = entries.iter().filter(|entry| entry.shift_s != 0.0);
         let view = View {
             x: self.x,
+            own_x: self.own_x.clone(),
             y: self.y.clone(),
             arrangement: self.arrangement(),
             hidden: hidden.collect(),
@@ -113,7 +115,7 @@ impl Review {
     /// Shows an earlier or later view.
     pub(super) fn step(&mut self, entries: &mut [Entry], step: fn(&mut Views) -> Option<View>) {
         let Some(view) = step(&mut self.views) else { return };
-        (self.x, self.y) = (view.x, view.y);
+        (self.x, self.own_x, self.y) = (view.x, view.own_x, view.y);
         self.arrange(&view.arrangement);
         self.derivations.forget(entries);
         for entry in entries.iter_mut() {

@@ -182,7 +182,7 @@ fn a_session_is_saved_and_shows_everything_again() {
     window.key_press(egui::Key::Enter);
     window.run_steps(3);
     let noted = &window.state().workspace.entries[1].notes;
-    assert!(noted.len() == 1 && noted[0].text == "it squeaks" && (noted[0].time_s - 0.0).abs() < 1e-9);
+    assert!(noted.len() == 1 && noted[0].text == "it squeaks");
     click(&mut window, "File");
     click(&mut window, "Save session...");
     click(&mut window, "Save");

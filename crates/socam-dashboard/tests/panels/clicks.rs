@@ -160,6 +160,34 @@ fn dragging_pans_and_the_wheel_zooms_all_charts_alike() {
 }
 
 #[test]
+fn a_plot_with_a_time_axis_of_its_own_is_zoomed_alone() {
+    let mut window = with(View::Time, 1);
+    let [own, other] =
+        ["Chart torque_in, N m", "Chart motor_speed, rad/s"].map(|name| window.get_by_label(name).rect());
+    window.hover_at(own.center());
+    window.run_steps(2);
+    click(&mut window, "More about the plot torque_in");
+    click(&mut window, "Time axis of its own");
+    let wheel = egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: egui::vec2(0.0, 200.0),
+        modifiers: egui::Modifiers::NONE,
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+    };
+    window.hover_at(own.center());
+    window.run_steps(1);
+    window.event(wheel.clone());
+    window.run_steps(20);
+    assert_eq!(window.state().views.time.x, None);
+    window.hover_at(other.center());
+    window.run_steps(1);
+    window.event(wheel);
+    window.run_steps(20);
+    assert!(window.state().views.time.x.is_some());
+}
+
+#[test]
 fn a_finding_is_lit_explained_and_becomes_an_input_signal() {
     let mut dashboard = Dashboard::default();
     dashboard.show(parse("diagnosis.json", sample::DIAGNOSIS).unwrap());

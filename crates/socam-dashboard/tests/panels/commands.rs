@@ -149,7 +149,8 @@ fn a_response_has_the_settings_and_the_lines_of_its_command() {
     window.run_steps(3);
     save_as(&mut window, "response.csv");
     let table = std::fs::read_to_string(folder.path().join("response.csv")).unwrap();
-    let head = format!("coherence,{},\"frequency, Hz\",", runs[0]);
+    let name = std::path::Path::new(&runs[0]).file_name().unwrap().to_string_lossy();
+    let head = format!("coherence,{name},\"frequency, Hz\",");
     let points = table.lines().filter_map(|line| line.strip_prefix(&head)).map(str::to_owned);
     let lines = answer.response.lines.iter().map(|line| format!("{},{}", line.frequency_hz, line.coherence));
     assert_eq!(points.collect::<Vec<_>>(), lines.collect::<Vec<_>>());

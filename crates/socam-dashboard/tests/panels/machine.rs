@@ -138,7 +138,7 @@ fn what_cannot_move_says_why() {
     let mut window = machine("emps", 1);
     until(&mut window, "a refusal", |window| !window.state().is_busy());
     window.run_steps(2);
-    window.get_by_label_contains("has no channel that the model emps reads as the speed or angle of a part");
+    window.get_by_label_contains("has none of the speeds and angles that the model emps reads");
 }
 
 #[test]

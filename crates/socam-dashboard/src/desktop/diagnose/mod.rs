@@ -63,11 +63,11 @@ impl ViewPanel for Diagnose {
     }
 
     fn has_report(&self) -> bool {
-        self.made.is_some() && self.page.shown().is_some_and(|shown| shown.evidence.is_some())
+        self.made.is_some() && self.page.shown.as_ref().is_some_and(|shown| shown.evidence.is_some())
     }
 
     fn save_report(&self, workspace: &mut Workspace) {
-        if let Some((shown, made)) = self.page.shown().zip(self.made.as_ref()) {
+        if let Some((shown, made)) = self.page.shown.as_ref().zip(self.made.as_ref()) {
             made.save_report(workspace, shown);
         }
     }

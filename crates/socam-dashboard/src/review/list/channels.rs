@@ -89,7 +89,8 @@ impl Review {
         let was_open = ui.data(|data| data.get_temp::<bool>(place)).unwrap_or(false);
         let is_hovered = ui.rect_contains_pointer(ui.max_rect().with_min_x(ui.clip_rect().left()));
         let button = ui.scope(|ui| {
-            if !is_hovered && !was_open {
+            // A finger does not hover.
+            if !is_hovered && !was_open && !ui.input(egui::InputState::has_touch_screen) {
                 ui.set_opacity(0.0);
             }
             ui.spacing_mut().button_padding = vec2(4.0, 0.0);

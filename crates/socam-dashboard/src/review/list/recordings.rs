@@ -143,7 +143,8 @@ fn more(ui: &mut Ui, entry: &mut Entry, name: &str, other: Option<&str>) -> Opti
     let was_open = ui.data(|data| data.get_temp::<bool>(place)).unwrap_or(false);
     let is_hovered = ui.rect_contains_pointer(row.with_min_x(ui.clip_rect().left()));
     let button = ui.scope(|ui| {
-        if !is_hovered && !was_open {
+        // A finger does not hover.
+        if !is_hovered && !was_open && !ui.input(egui::InputState::has_touch_screen) {
             ui.set_opacity(0.0);
         }
         ui.spacing_mut().button_padding = egui::vec2(4.0, 0.0);
