@@ -115,6 +115,22 @@ fn keys_arm_run_and_stop_but_not_into_a_dialog() {
 }
 
 #[test]
+fn esc_puts_the_help_away_at_rest_and_stops_a_bench_that_is_armed() {
+    let (mut window, bench) = connected();
+    let presses = || bench.presses.load(std::sync::atomic::Ordering::SeqCst);
+    for (state, expected) in [(State::Idle, false), (State::Armed, true)] {
+        tell(&mut window, &bench, bench::health(state, None));
+        window.key_press(egui::Key::F1);
+        window.run_steps(2);
+        assert!(window.state().help.is_open);
+        window.key_press(egui::Key::Escape);
+        window.run_steps(2);
+        assert!(!window.state().help.is_open);
+        assert_eq!(presses() > 0, expected, "{state:?}");
+    }
+}
+
+#[test]
 fn progress_numbers_gaps_and_events_are_in_words() {
     let mut window = window(bench::running(Look::Dark));
     window.run_steps(3);
