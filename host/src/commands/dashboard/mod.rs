@@ -173,6 +173,10 @@ fn layout(args: &Args) -> anyhow::Result<Layout> {
     if let Some(device) = &args.device {
         layout.device.clone_from(device);
         layout.stated = Stated::default();
+        // What is asked for is seen, unless files or another view are asked for too.
+        if args.view.is_none() && args.files.is_empty() {
+            layout.view = View::Live;
+        }
     }
     let text = |path: &Option<PathBuf>| path.as_ref().map(|path| path.display().to_string());
     layout.stated.description = text(&args.describe).unwrap_or(layout.stated.description);

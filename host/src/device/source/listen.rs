@@ -88,9 +88,10 @@ impl Listened {
         {
             let ratio = (last_s - first_s) / (host_ns as f64 * 1e-9);
             if !CLOCK_RATIO.contains(&ratio) {
+                let ratio = socam_findings::words::rough(ratio);
                 let clock = description.clock.as_ref().map_or("", |clock| clock.signal.as_str());
                 bail!(
-                    "the device's clock `{clock}` runs {ratio:.3e} times as fast as this computer's: correct its unit in the description"
+                    "the device's clock `{clock}` runs {ratio} times as fast as this computer's: correct its unit in the description"
                 );
             }
         }
