@@ -12,6 +12,9 @@ use super::Dashboard;
 const VIEWS: [View; 4] = [View::Check, View::Identify, View::Diagnosis, View::Machine];
 /// Letters of a verdict that are shown; all of it is under the pointer.
 const LETTERS: usize = 40;
+/// The same in a window narrower than [`NARROW`] points, so that the steps stay in one row.
+const FEW_LETTERS: usize = 18;
+const NARROW: f32 = 900.0;
 /// The command that records the next experiment, whose input signal the window has.
 const RECORD: &str = "socam-host record -o next.mcap --profile next.toml";
 
@@ -62,8 +65,9 @@ impl Dashboard {
             let said = format!("Step {}: {text}", step.name());
             egui::WidgetInfo::labeled(egui::Role::Button, true, said)
         });
-        let words = if text.chars().count() > LETTERS {
-            text.chars().take(LETTERS - 3).collect::<String>() + "..."
+        let letters = if ui.max_rect().width() < NARROW { FEW_LETTERS } else { LETTERS };
+        let words = if text.chars().count() > letters {
+            text.chars().take(letters - 3).collect::<String>() + "..."
         } else {
             text.clone()
         };
