@@ -23,12 +23,18 @@ pub(super) fn findings(inputs: &Inputs<'_>) -> Result<Vec<Finding>, IdentifyErro
     let Inputs { context, path, floor, .. } = *inputs;
     let proof = inputs.held_out.proof();
     let mut findings: Vec<Finding> = Vec::new();
-    // The base model may have moved faster than the machine did.
-    let reached = if path.terms.is_empty() { None } else { Some(path.scales(context)?.rig) };
+    let mut reached = None;
     for (index, term) in path.terms.iter().enumerate() {
         let mut finding = finding(inputs, index);
-        let fastest = reached.as_ref().map(|rig| rig.bearing(&finding.location).1.speed);
-        finding.drag.retain(|drag| fastest.is_some_and(|fastest| drag.speed <= fastest));
+        if !finding.drag.is_empty() {
+            // The base model may have moved faster than the machine did.
+            let rig = match &mut reached {
+                Some(rig) => rig,
+                None => reached.insert(path.scales(context)?.rig),
+            };
+            let fastest = rig.bearing(&finding.location).1.speed;
+            finding.drag.retain(|drag| drag.speed <= fastest);
+        }
         let without = term.without.as_ref().unwrap_or(&path.base);
         let own = region::region(context, without, Some(&path.last), &finding.location, floor)?;
         finding.region = Region { text: format!("{}; {}", finding.region.text, own.text), ..own };
