@@ -332,20 +332,25 @@ impl Dashboard {
         }
     }
 
+    /// Stops a board at the press, not only the release, of a stop button, and at Esc where that is meant.
+    fn stop_if_asked(&mut self, ctx: &egui::Context, button: egui::Rect, takes_escape: bool) {
+        let is_asked = |input: &egui::InputState| {
+            let on_button = || input.pointer.interact_pos().is_some_and(|at| button.contains(at));
+            (takes_escape && input.key_pressed(Key::Escape))
+                || (input.pointer.primary_pressed() && on_button())
+        };
+        if self.workspace.bench.is_commanded() && ctx.input(is_asked) {
+            self.workspace.bench.emergency_stop();
+        }
+    }
+
     fn keys(&mut self, ctx: &egui::Context) {
         // First of all, so that no other control consumes the key, and no dialog covers the button.
         // A bench at rest has no command to be cut: there Esc puts away what is open above the views, and stops only where nothing is.
         let is_at_rest = matches!(self.workspace.bench.state(), Some(State::Idle));
         let only_puts_away =
             is_at_rest && (self.help.is_open || self.is_choosing() || ctx.egui_wants_keyboard_input());
-        let stop = |input: &egui::InputState| {
-            let on_button = || input.pointer.interact_pos().is_some_and(|at| self.stop_button.contains(at));
-            (input.key_pressed(Key::Escape) && !only_puts_away)
-                || (input.pointer.primary_pressed() && on_button())
-        };
-        if self.workspace.bench.is_commanded() && ctx.input(stop) {
-            self.workspace.bench.emergency_stop();
-        }
+        self.stop_if_asked(ctx, self.stop_button, !only_puts_away);
         if ctx.input(|input| input.key_pressed(Key::Escape)) {
             self.help.is_open = false;
         }

@@ -1,8 +1,6 @@
 //! Views in windows of their own. Each has the emergency stop, by its button and by Esc; all other keys are those of the main window.
 
-use egui::{
-    Align, Context, Frame, InputState, Key, Layout as Direction, Margin, Ui, ViewportBuilder, ViewportId,
-};
+use egui::{Align, Context, Frame, Layout as Direction, Margin, Rect, Ui, ViewportBuilder, ViewportId};
 use socam_chart::chart;
 use socam_workbench::View;
 
@@ -65,9 +63,7 @@ impl Dashboard {
     fn own_window(&mut self, ui: &mut Ui, view: View) -> bool {
         let ctx = ui.ctx().clone();
         // As in the main window: before any control consumes the key.
-        if self.workspace.bench.is_connected() && ctx.input(|input| input.key_pressed(Key::Escape)) {
-            self.workspace.bench.emergency_stop();
-        }
+        self.stop_if_asked(&ctx, Rect::NOTHING, true);
         let mut is_closed = ctx.input(|input| input.viewport().close_requested());
         egui::Panel::top("bar of a window")
             .frame(Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 6)))
@@ -77,14 +73,7 @@ impl Dashboard {
                     is_closed |= ui.button("Back to the main window").clicked();
                     let side = Direction::right_to_left(Align::Center);
                     let stop = ui.with_layout(side, |ui| self.bench(ui)).inner;
-                    let is_on_it = |input: &InputState| {
-                        input.pointer.primary_pressed()
-                            && input.pointer.interact_pos().is_some_and(|at| stop.contains(at))
-                    };
-                    // The press stops, not only the release.
-                    if self.workspace.bench.is_connected() && ctx.input(is_on_it) {
-                        self.workspace.bench.emergency_stop();
-                    }
+                    self.stop_if_asked(&ctx, stop, false);
                 });
             });
         self.views.get(view).bar(ui, &mut self.workspace);
