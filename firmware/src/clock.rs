@@ -5,9 +5,10 @@
 
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
+use embassy_rp::pac;
 
 /// Clock cycles of the processor per microsecond.
-const CYCLES_PER_US: u32 = 125;
+pub(crate) const CYCLES_PER_US: u32 = 125;
 
 /// The counter has 24 bits, which last 134 ms.
 const COUNTER: u32 = 0x00ff_ffff;
@@ -16,6 +17,24 @@ const LONGEST_US: u32 = 100_000;
 /// Allowed difference: a sixteenth, and what two readings of whole microseconds leave.
 const FRACTION_LOG2: u32 = 4;
 const READINGS_CYCLES: u32 = 2 * CYCLES_PER_US;
+
+/// The timer's lower half, microseconds.
+pub(crate) fn now_us() -> u32 {
+    pac::TIMER.timerawl().read()
+}
+
+/// The timer, microseconds.
+pub(crate) fn whole_us() -> u64 {
+    // Raw registers: the latching pair would disturb code that was interrupted between reading its two halves.
+    let timer = pac::TIMER;
+    loop {
+        let high = timer.timerawh().read();
+        let low = timer.timerawl().read();
+        if timer.timerawh().read() == high {
+            return u64::from(high) << 32 | u64::from(low);
+        }
+    }
+}
 
 /// Starts the counter of the processor's cycles.
 pub(crate) fn start(counter: &mut SYST) {

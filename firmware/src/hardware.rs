@@ -1,11 +1,11 @@
 //! The board's hardware, as the core's `Ports`.
 
 use embassy_rp::gpio::{Input, Output};
-use embassy_rp::pac;
 use socam_converters::{Ad5761r, Ads8688, Order};
 use socam_core::{Average, Ceilings, ConverterSilent, MAX_CHANNELS, Ports};
 
 use crate::bus::Chip;
+use crate::clock;
 use crate::drive::Drive;
 
 /// What its channels are counted in.
@@ -118,15 +118,7 @@ impl Ports for Hardware {
     const CEILINGS: Ceilings = CEILINGS;
 
     fn now_us(&mut self) -> u64 {
-        // Raw registers: the latching pair would disturb code that was interrupted between reading its two halves.
-        let timer = pac::TIMER;
-        loop {
-            let high = timer.timerawh().read();
-            let low = timer.timerawl().read();
-            if timer.timerawh().read() == high {
-                return u64::from(high) << 32 | u64::from(low);
-            }
-        }
+        clock::whole_us()
     }
 
     fn read(&mut self, counts: &mut [i16]) -> Result<(), ConverterSilent> {

@@ -11,7 +11,7 @@ use embassy_rp::interrupt;
 use embassy_rp::pac;
 use socam_core::{Board, Fault, Layout, Refusal, Request, Status, conversions_per_sample};
 
-use crate::clock::Clocks;
+use crate::clock::{Clocks, now_us};
 use crate::hardware::Hardware;
 use crate::slot::{Filler, Taker};
 use crate::start;
@@ -97,11 +97,6 @@ fn TIMER_IRQ_1() {
             sampler.interrupt();
         }
     });
-}
-
-/// The timer's lower half, microseconds.
-fn now_us() -> u32 {
-    pac::TIMER.timerawl().read()
 }
 
 impl Sampler {

@@ -4,6 +4,8 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use embassy_rp::pac;
 
+use crate::clock::now_us;
+
 /// Longest time without a conversion; after it the processor is reset and all lines go low. Conversions are at most 0.5 ms apart.
 const BITES_AFTER_US: u32 = 1500;
 
@@ -50,10 +52,6 @@ pub(crate) fn feed() {
 /// Records that the link's task runs. Must be called by that task, with or without a host.
 pub(crate) fn link_is_at_work() {
     LINK_US.store(now_us(), Ordering::Relaxed);
-}
-
-fn now_us() -> u32 {
-    pac::TIMER.timerawl().read()
 }
 
 /// Disables the drive and resets the processor, which sets every line low.

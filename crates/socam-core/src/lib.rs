@@ -13,9 +13,8 @@
 //!
 //! [`Profile`] (what to command) becomes a [`Generator`] (sample by sample); [`Config`] says how counts become SI and
 //! what is watched; [`Board`] puts both behind [`Ports`] (the hardware) and the safety states of [`State`];
-//! [`encoder::Encoder`] turns the
-//! count of a shaft into position and speed; a [`Ring`] carries each [`Sample`] from the sampling interrupt to the sender. [`Count`]
-//! is what a board's channels are counted in: what only a board with encoders needs costs no other board memory or time.
+//! [`encoder::Encoder`] turns the count of a shaft into position and speed; a [`Ring`] carries each [`Sample`] from the sampling interrupt to the sender. [`Count`]
+//! is what a board's channels are counted in: what only a board with encoders needs costs no other board time.
 #![no_std]
 #![cfg_attr(
     not(test),

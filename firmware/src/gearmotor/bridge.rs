@@ -8,9 +8,10 @@ use embassy_rp::pac;
 use embassy_rp::peripherals::{PIN_16, PIN_17, PWM_SLICE0};
 use socam_core::{ConverterSilent, bridge};
 
+use crate::clock::CYCLES_PER_US;
+
 /// Cycles of the processor in a period: 50 us.
 const PERIOD: u16 = 6250;
-const CYCLES_PER_US: u32 = 125;
 
 const SLICE: usize = 0;
 const PINS: [usize; 2] = [16, 17];

@@ -9,6 +9,7 @@ use socam_core::{
 
 use crate::applied::Applied;
 use crate::bridge::Bridge;
+use crate::clock::{now_us, whole_us};
 use crate::counters::{Counters, TICKS_PER_S};
 use crate::currents::{Currents, FULL_SCALE_UV, INPUTS};
 use crate::drive::Drive;
@@ -146,11 +147,6 @@ impl Hardware {
     }
 }
 
-/// The timer's lower half, microseconds.
-fn now_us() -> u32 {
-    pac::TIMER.timerawl().read()
-}
-
 impl Ports for Hardware {
     type Count = Count;
 
@@ -159,15 +155,7 @@ impl Ports for Hardware {
     const CEILINGS: Ceilings = CEILINGS;
 
     fn now_us(&mut self) -> u64 {
-        // Raw registers: the latching pair would disturb code that was interrupted between reading its two halves.
-        let timer = pac::TIMER;
-        loop {
-            let high = timer.timerawh().read();
-            let low = timer.timerawl().read();
-            if timer.timerawh().read() == high {
-                return u64::from(high) << 32 | u64::from(low);
-            }
-        }
+        whole_us()
     }
 
     fn read(&mut self, counts: &mut [Count]) -> Result<(), ConverterSilent> {
