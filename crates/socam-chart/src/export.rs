@@ -20,7 +20,9 @@ pub fn csv(seen: &[Seen]) -> String {
     out
 }
 
-fn quoted(text: &str) -> String {
+/// A field of a table of commas, in quotes where it needs them.
+#[must_use]
+pub fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n']) {
         format!("\"{}\"", text.replace('"', "\"\""))
     } else {

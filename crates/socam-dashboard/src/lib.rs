@@ -9,6 +9,7 @@
 mod bench;
 mod commands;
 mod dashboard;
+mod departure;
 mod headless;
 mod layout;
 mod model_choice;

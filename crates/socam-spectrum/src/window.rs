@@ -75,17 +75,7 @@ pub enum Detrend {
 
 impl Detrend {
     /// All choices.
-    pub const ALL: [Self; 3] = [Self::Nothing, Self::Mean, Self::Line];
-
-    /// Its name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nothing => "nothing",
-            Self::Mean => "mean",
-            Self::Line => "line",
-        }
-    }
+    pub const ALL: [Self; 3] = [Self::Mean, Self::Line, Self::Nothing];
 
     /// What is taken off a signal: its value in the middle and its slope per sample.
     pub(crate) fn of(self, signal: &[f64]) -> [f64; 2] {

@@ -2,11 +2,11 @@
 
 use std::ops::RangeInclusive;
 
+use crate::residual_test::OF_95_PERCENT;
+
 /// Lags, samples: at a positive one the input is earlier than the residual, as a cause is.
 pub const LAGS: RangeInclusive<isize> = -20..=60;
-/// Half the width of the central 95 % of the normal distribution, in standard deviations.
-const OF_95_PERCENT: f64 = 1.959_964;
-/// The same for the greatest of 81 independent lags (Bonferroni): correlated lags exceed it less often.
+/// As [`OF_95_PERCENT`], for the greatest of 81 independent lags (Bonferroni): correlated lags exceed it less often.
 const OF_ALL_LAGS: f64 = 3.42;
 /// Fewest pairs of which anything is said.
 const LEAST: usize = 100;

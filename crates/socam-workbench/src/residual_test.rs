@@ -3,7 +3,7 @@
 /// Largest number of lags.
 pub const LAGS: usize = 60;
 /// Half the width of the central 95 % of the normal distribution, in standard deviations.
-const OF_95_PERCENT: f64 = 1.959_964;
+pub(crate) const OF_95_PERCENT: f64 = 1.959_964;
 /// Fewest residuals of which anything is said.
 const LEAST: usize = 20;
 

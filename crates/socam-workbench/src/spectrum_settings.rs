@@ -7,6 +7,9 @@ use socam_spectrum::{Detrend, Spectra, Welch, Window};
 pub const SHORTEST: usize = 64;
 /// See [`SHORTEST`].
 pub const LONGEST: usize = 1 << 18;
+/// Lengths to choose from, samples; `None`: as the length of the recording allows.
+pub const LENGTHS: [Option<usize>; 8] =
+    [None, Some(SHORTEST), Some(256), Some(1024), Some(4096), Some(16_384), Some(65_536), Some(LONGEST)];
 /// Overlaps to choose from, percent of a segment.
 pub const OVERLAPS: [u8; 4] = [0, 50, 67, 75];
 

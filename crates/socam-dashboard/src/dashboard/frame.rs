@@ -9,6 +9,7 @@ use socam_workbench::watch::Tone;
 use socam_workbench::{Request, View};
 
 use super::Dashboard;
+use crate::departure::diagnose_button;
 use crate::platform::{HAS_BENCH, Views};
 use crate::progress;
 use socam_chart::theme;
@@ -149,10 +150,7 @@ impl Dashboard {
                     if ui.button("Dismiss").clicked() {
                         put_away = Some(index);
                     }
-                    let why = "Opens what was recorded since the change, and leads to Diagnosis";
-                    if notice.departure.is_some()
-                        && ui.button("Diagnose from here").on_hover_text(why).clicked()
-                    {
+                    if notice.departure.is_some() && diagnose_button(ui) {
                         asked = notice.departure;
                     }
                     ui.add(egui::Label::new(&notice.text).wrap());

@@ -121,14 +121,20 @@ impl Dashboard {
     /// Writes the picture of this pass, or its data, if an export was requested.
     pub(crate) fn export(&mut self, ctx: &egui::Context) {
         let Some(path) = self.exporting.take() else { return };
+        if self.layout.view == View::Time && extension_of(&path) == "csv" {
+            return self.export_samples(ctx, path);
+        }
         let bytes = content(self, ctx, &path);
         self.put(&path, bytes);
     }
 }
 
+fn extension_of(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
 /// Contents of the export file, by its extension. Menus and dialogs are in layers of their own and are left out.
 fn content(dashboard: &Dashboard, ctx: &egui::Context, path: &Path) -> Result<Vec<u8>, String> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let part = ctx.content_rect();
     let ground = ctx.global_style().visuals.panel_fill;
     let shapes = || {
@@ -137,10 +143,7 @@ fn content(dashboard: &Dashboard, ctx: &egui::Context, path: &Path) -> Result<Ve
         })
         .unwrap_or_default()
     };
-    match extension.as_str() {
-        "csv" if dashboard.layout.view == View::Time => {
-            dashboard.views.time.samples_csv(&dashboard.workspace.entries).map(String::into_bytes)
-        }
+    match extension_of(path).as_str() {
         "csv" => Ok(export::csv(&dashboard.seen).into_bytes()),
         "svg" => svg::svg(&dashboard.seen, ctx.global_style().visuals.dark_mode).map(String::into_bytes),
         "png" => raster::png(&raster::of_shapes(ctx, shapes(), part, ground)),

@@ -16,7 +16,7 @@ use crate::progress::wake;
 /// An opened document or an error, and the file from which it was opened.
 pub(crate) type Opened = Result<(Found, Option<String>), (String, Option<String>)>;
 
-/// Result of saving a recording: its path and, in a browser, its bytes.
+/// Result of saving: the path, and the bytes unless they are written already.
 pub(super) type Saved = Result<(PathBuf, Option<Vec<u8>>), String>;
 
 impl Dashboard {
@@ -100,6 +100,19 @@ impl Dashboard {
         self.saving.push(Job::start(&title, &wake(ctx), move |handle| {
             platform::save(&recording, &path, handle).map(|bytes| (path, bytes))
         }));
+    }
+
+    /// Writes all samples in sight of the view over time; on a thread, since they may be many.
+    pub(super) fn export_samples(&mut self, ctx: &Context, path: PathBuf) {
+        match self.views.time.in_sight(&self.workspace.entries) {
+            Ok(table) => {
+                let title = format!("Writing {}", path.display());
+                self.saving.push(Job::start(&title, &wake(ctx), move |handle| {
+                    table.text(handle).map(|text| (path, Some(text.into_bytes())))
+                }));
+            }
+            Err(sentence) => self.warn(sentence),
+        }
     }
 
     /// Reports the files that have been saved since the last pass.

@@ -52,10 +52,13 @@ pub struct MachineView {
 impl ViewPanel for MachineView {
     fn ui(&mut self, ui: &mut Ui, workspace: &mut Workspace, _: &mut Vec<Seen>) {
         self.history.belong_to(workspace.revision());
+        let recording = self.player.choose(&workspace.entries);
         let width = layout::panel(ui, "machine", 336.0);
         let panel = egui::Panel::left("machine").default_size(width).size_range(250.0..=640.0);
         let panel = panel.show(ui, |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.side(ui, workspace));
+            ScrollArea::vertical()
+                .auto_shrink(false)
+                .show(ui, |ui| self.side(ui, workspace, recording.as_ref()));
         });
         layout::keep_panel(ui, "machine", panel.response.rect.width());
         match &self.form {
@@ -67,7 +70,7 @@ impl ViewPanel for MachineView {
                     }
                 });
             }
-            None => self.play(ui, workspace),
+            None => self.play(ui, workspace, recording.as_ref()),
         }
     }
 
@@ -132,7 +135,7 @@ impl MachineView {
     }
 
     /// The left side: the form of a new model, or the model and one of its elements.
-    fn side(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
+    fn side(&mut self, ui: &mut Ui, workspace: &mut Workspace, recording: Option<&Recording>) {
         ui.add_space(4.0);
         if let Some(form) = &mut self.form {
             if describe::ui(ui, form, workspace, std::mem::take(&mut self.takes_focus)) {
@@ -142,9 +145,8 @@ impl MachineView {
         }
         self.doors(ui, workspace);
         ui.separator();
-        let recording = self.player.choose(&workspace.entries);
-        let columns = columns::names(recording.as_ref());
-        if let Some(recording) = &recording {
+        let columns = columns::names(recording);
+        if let Some(recording) = recording {
             columns::list(ui, workspace.model(), recording, &columns);
         }
         let now = (self.motions.known(), self.player.time_s);
@@ -207,19 +209,18 @@ impl MachineView {
     }
 
     /// The drawing of the model, which moves as a recording does, above the time line.
-    fn play(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
-        let recording = self.player.choose(&workspace.entries);
+    fn play(&mut self, ui: &mut Ui, workspace: &mut Workspace, recording: Option<&Recording>) {
         let model = workspace.model().clone();
-        if let Some(recording) = &recording {
+        if let Some(recording) = recording {
             self.motions.update(ui.ctx(), workspace, recording);
         }
         egui::Panel::bottom("playing").show(ui, |ui| {
             ui.add_space(4.0);
-            self.time_line(ui, workspace, recording.as_ref());
+            self.time_line(ui, workspace, recording);
             ui.add_space(4.0);
         });
         let picture = egui::CentralPanel::default();
-        let wired = picture.show(ui, |ui| self.picture(ui, workspace, &model, recording.as_ref())).inner;
+        let wired = picture.show(ui, |ui| self.picture(ui, workspace, &model, recording)).inner;
         if let Some(wire) = wired {
             self.change(workspace, &Change::Column(wire));
         }

@@ -29,9 +29,8 @@ impl Review {
             _ => self.take_x(&shown),
         }
         if shown.y_moved && !shown.response.double_clicked() {
-            let title = self.plot_name(signals);
-            let right = before.1.map(|right| (of_right(&title), right.moved(before.0, shown.y)));
-            for (name, y) in std::iter::once((title, shown.y)).chain(right) {
+            let right = before.1.map(|right| (of_right(&name), right.moved(before.0, shown.y)));
+            for (name, y) in std::iter::once((name, shown.y)).chain(right) {
                 self.y.retain(|(known, _)| *known != name);
                 self.y.push((name, y));
             }
@@ -57,14 +56,18 @@ impl Review {
 
     /// Whether a plot has a time axis of its own.
     pub(super) fn is_unlinked(&self, signals: &[Signal]) -> bool {
-        let name = self.plot_name(signals);
-        self.own_x.iter().any(|(known, _)| *known == name)
+        self.own_x_of(&self.plot_name(signals)).is_some()
+    }
+
+    /// The time axis of its own that the plot of this name has, s.
+    fn own_x_of(&self, name: &str) -> Option<[f64; 2]> {
+        self.own_x.iter().find(|(known, _)| known == name).map(|(_, x)| *x)
     }
 
     /// Gives a plot a time axis of its own, which begins as that of all others, or links it with them again.
     pub(super) fn toggle_link(&mut self, signals: &[Signal], x: [f64; 2]) {
         let name = self.plot_name(signals);
-        if self.is_unlinked(signals) {
+        if self.own_x_of(&name).is_some() {
             self.own_x.retain(|(known, _)| *known != name);
         } else {
             self.own_x.push((name, x));
@@ -92,8 +95,7 @@ impl Review {
     ) -> Chart {
         let entries = drawing.entries;
         let plot = self.plot_name(signals);
-        let own = self.own_x.iter().find(|(known, _)| *known == plot);
-        let x = own.map_or(drawing.x, |(_, own)| *own);
+        let x = self.own_x_of(&plot).unwrap_or(drawing.x);
         let (signals, left) = content::by_axis(signals);
         let sides = [&signals[..left], &signals[left..]];
         let signals = &signals[..];

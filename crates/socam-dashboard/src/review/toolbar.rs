@@ -39,16 +39,8 @@ impl Action {
         Self::Usual,
         Self::Save,
     ];
-    /// Those of the menu Add.
-    const ADDED: [Self; 7] = [
-        Self::Xy,
-        Self::Spectrogram,
-        Self::Statistics,
-        Self::Histogram,
-        Self::Table,
-        Self::Derive,
-        Self::Note,
-    ];
+    /// How many of [`Self::ALL`], the first ones, are those of the menu Add.
+    const ADDED: usize = 7;
 
     fn name(self) -> &'static str {
         match self {
@@ -139,7 +131,7 @@ impl Review {
                 self.hides_events = !shows;
             }
             ui.menu_button("Add", |ui| {
-                action = Action::ADDED.into_iter().find_map(|own| own.item(ui)).or(action);
+                action = Action::ALL.into_iter().take(Action::ADDED).find_map(|own| own.item(ui)).or(action);
             });
             ui.menu_button("Layout", |ui| {
                 let actions = [Action::Usual, Action::Even, Action::Save];

@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, Role, Ui, WidgetInfo};
 use socam_spectrum::{Detrend, Window};
-use socam_workbench::spectrum_settings::{LONGEST, OVERLAPS, SpectrumSettings};
+use socam_workbench::spectrum_settings::{LENGTHS, OVERLAPS, SpectrumSettings};
 
 use crate::together::together;
 
@@ -24,8 +24,7 @@ pub(crate) fn window(ui: &mut Ui, settings: &mut SpectrumSettings) {
     together(ui, "of", 118.0, |ui| {
         let list = ComboBox::from_id_salt("length").selected_text(length_text(settings.length)).width(110.0);
         list.show_ui(ui, |ui| {
-            let lengths = (6..=18).step_by(2).map(|power| Some(1_usize << power));
-            for length in std::iter::once(None).chain(lengths.filter(|own| *own <= Some(LONGEST))) {
+            for length in LENGTHS {
                 ui.selectable_value(&mut settings.length, length, length_text(length));
             }
         })
@@ -33,7 +32,7 @@ pub(crate) fn window(ui: &mut Ui, settings: &mut SpectrumSettings) {
     together(ui, "without", 76.0, |ui| {
         let list = ComboBox::from_id_salt("detrend").selected_text(off(settings.detrend)).width(68.0);
         list.show_ui(ui, |ui| {
-            for detrend in [Detrend::Mean, Detrend::Line, Detrend::Nothing] {
+            for detrend in Detrend::ALL {
                 ui.selectable_value(&mut settings.detrend, detrend, off(detrend))
                     .on_hover_text(taken(detrend));
             }
@@ -43,33 +42,34 @@ pub(crate) fn window(ui: &mut Ui, settings: &mut SpectrumSettings) {
 
 /// The same as rows of a menu, which a click closes.
 pub(crate) fn rows(ui: &mut Ui, settings: &mut SpectrumSettings) {
-    row(ui, "Window", &mut settings.window, Window::ALL, |window| {
+    row(ui, "Window", &mut settings.window, &Window::ALL, |window| {
         (window.name().to_owned(), meaning(window))
     });
-    let lengths = [None, Some(64), Some(256), Some(1024), Some(4096), Some(16_384)];
+    // Longer ones would leave few columns of a spectrogram.
+    let lengths = &LENGTHS[..6];
     row(ui, "of", &mut settings.length, lengths, |length| (length_text(length), "Samples of a window"));
-    row(ui, "without", &mut settings.detrend, [Detrend::Mean, Detrend::Line, Detrend::Nothing], |detrend| {
+    row(ui, "without", &mut settings.detrend, &Detrend::ALL, |detrend| {
         (off(detrend).to_owned(), taken(detrend))
     });
 }
 
-fn row<T: Copy + PartialEq, const N: usize>(
+fn row<T: Copy + PartialEq>(
     ui: &mut Ui,
     label: &str,
     chosen: &mut T,
-    all: [T; N],
+    all: &[T],
     words: impl Fn(T) -> (String, &'static str),
 ) {
     ui.horizontal(|ui| {
         ui.label(label);
         for one in all {
-            let (name, meaning) = words(one);
-            let is_chosen = *chosen == one;
+            let (name, meaning) = words(*one);
+            let is_chosen = chosen == one;
             let choice = ui.selectable_label(is_chosen, &name);
             let said = format!("{label} {name}");
             choice.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, is_chosen, &said));
             if choice.on_hover_text(meaning).clicked() {
-                *chosen = one;
+                *chosen = *one;
             }
         }
     });

@@ -10,7 +10,7 @@ use socam_workbench::recording::short;
 pub(super) fn legend(ui: &mut Ui, shown: &[Shown<'_>]) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 16.0;
-        for (number, recording, _) in shown {
+        for (number, recording) in shown {
             let full_name = &recording.about.name;
             let name = short(full_name);
             ui.allocate_ui(vec2(LEGEND_ENTRY, ui.spacing().interact_size.y), |ui| {

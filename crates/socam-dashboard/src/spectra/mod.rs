@@ -56,8 +56,8 @@ struct Between {
 /// The model, and the number that it has until it is replaced.
 type Numbered<'m> = (&'m Model, u64);
 
-/// A recording that is shown: number, recording, and what its spectra are made of.
-type Shown<'e> = (usize, &'e Recording, densities::Part);
+/// A recording that is shown, with its number.
+type Shown<'e> = (usize, &'e Recording);
 
 /// State of the view.
 #[derive(Default)]
@@ -149,9 +149,7 @@ impl Spectra {
             return;
         }
         let shown = entries.iter().filter(|entry| entry.shown);
-        let shown: Vec<Shown<'_>> = shown
-            .map(|own| (own.number, &own.recording, densities::Part::of(*settings, in_sight, own.shift_s)))
-            .collect();
+        let shown: Vec<Shown<'_>> = shown.map(|own| (own.number, &own.recording)).collect();
         if shown.is_empty() {
             chart::empty_state(
                 ui,
@@ -163,8 +161,7 @@ impl Spectra {
         if let (ChartType::Response, Some(input), Some(output)) =
             (self.kind, self.input.as_deref(), self.output.as_deref())
         {
-            let recordings: Vec<_> = shown.iter().map(|(number, own, _)| (*number, *own)).collect();
-            self.options.ui(ui, model, [input, output], &recordings);
+            self.options.ui(ui, model, [input, output], &shown);
         }
         let sources = source::sources(entries, *settings, in_sight);
         self.compute(ui, &shown, &sources, numbered);
@@ -190,7 +187,7 @@ impl Spectra {
         (model, revision): Numbered<'_>,
     ) {
         let is_shown = |samples: &Arc<Samples>| {
-            shown.iter().any(|(_, recording, _)| Arc::ptr_eq(&recording.samples, samples))
+            shown.iter().any(|(_, recording)| Arc::ptr_eq(&recording.samples, samples))
         };
         let is_wanted = |samples: &Arc<Samples>, part: &densities::Part| {
             sources.iter().any(|own| Arc::ptr_eq(own.samples, samples) && own.part == *part)
@@ -204,7 +201,7 @@ impl Spectra {
                 between.columns.iter().all(|column| recording.has_column(column))
                     && self.responses.get(&recording.samples, &between).is_none()
             };
-            if let Some((_, recording, _)) = shown.iter().find(|(_, recording, _)| lacks(recording)) {
+            if let Some((_, recording)) = shown.iter().find(|(_, recording)| lacks(recording)) {
                 let (own, model, wanted) = ((*recording).clone(), model.clone(), between.clone());
                 let title = format!("Response of {}", name(recording));
                 self.responses.start(ui, &title, (own.samples.clone(), between), move |handle| {

@@ -89,7 +89,7 @@ impl Spectra {
         let Some(between) = self.chosen(revision) else { return };
         let [input, output] = &between.columns;
         let found: Vec<_> =
-            shown.iter().map(|(_, recording, _)| self.responses.get(&recording.samples, &between)).collect();
+            shown.iter().map(|(_, recording)| self.responses.get(&recording.samples, &between)).collect();
         let lines =
             || found.iter().filter_map(|result| Some(&result.as_ref()?.as_ref().ok()?.response.lines));
         let x = range_of(lines().flatten().map(|line| line.frequency_hz)).unwrap_or([0.1, 100.0]);
@@ -106,7 +106,7 @@ impl Spectra {
             ("coherence", "coherence".to_owned()),
         ]
         .map(|(id, title)| Chart::new(("response", id), title, vec2(0.0, 0.0)));
-        for ((number, recording, _), found) in shown.iter().zip(&found) {
+        for ((number, recording), found) in shown.iter().zip(&found) {
             let Some(Ok(measured)) = found else { continue };
             let Curves { magnitude, phase, coherence } = curves(&measured.response);
             for (chart, line) in charts.iter_mut().zip([magnitude, phase, vec![coherence]]) {
@@ -131,7 +131,7 @@ impl Spectra {
         );
         // Several recordings may have the same warning.
         let mut remarks = BTreeSet::new();
-        for ((_, recording, _), found) in shown.iter().zip(&found) {
+        for ((_, recording), found) in shown.iter().zip(&found) {
             match found {
                 Some(Err(problem)) => {
                     remarks.insert(format!("{}: {problem}", short(&recording.about.name)));
@@ -183,7 +183,7 @@ fn decibels(parts: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
 
 /// Name and unit of the channel of a column.
 fn signal_of(shown: &[Shown<'_>], column: &str) -> (String, String) {
-    let mut channels = shown.iter().flat_map(|(_, recording, _)| &recording.about.channels);
+    let mut channels = shown.iter().flat_map(|(_, recording)| &recording.about.channels);
     match channels.find(|channel| channel.column_name() == column) {
         Some(channel) => (channel.name.clone(), channel.unit.to_string()),
         None => (column.to_owned(), "1".into()),

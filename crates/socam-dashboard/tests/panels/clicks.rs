@@ -137,20 +137,22 @@ fn cursors_are_set_by_clicks_and_measure_differences() {
     click(&mut window, "Fit all");
 }
 
+/// A turn of the wheel that zooms in.
+const WHEEL: egui::Event = egui::Event::MouseWheel {
+    unit: egui::MouseWheelUnit::Point,
+    delta: egui::vec2(0.0, 200.0),
+    modifiers: egui::Modifiers::NONE,
+    phase: egui::TouchPhase::Move,
+    source: egui::MouseWheelSource::Wheel,
+};
+
 #[test]
 fn dragging_pans_and_the_wheel_zooms_all_charts_alike() {
     let mut window = with(View::Time, 1);
     let chart = window.get_by_label("Chart torque_in, N m").rect();
     window.hover_at(chart.center());
     window.run_steps(1);
-    let wheel = egui::Event::MouseWheel {
-        unit: egui::MouseWheelUnit::Point,
-        delta: egui::vec2(0.0, 200.0),
-        modifiers: egui::Modifiers::NONE,
-        phase: egui::TouchPhase::Move,
-        source: egui::MouseWheelSource::Wheel,
-    };
-    window.event(wheel);
+    window.event(WHEEL);
     window.run_steps(20);
     let span = window.state().views.time.span(&[]);
     assert!(span[1] - span[0] < 3.0 && span[0] > 0.2 && span[1] < 3.8, "{span:?}");
@@ -168,21 +170,14 @@ fn a_plot_with_a_time_axis_of_its_own_is_zoomed_alone() {
     window.run_steps(2);
     click(&mut window, "More about the plot torque_in");
     click(&mut window, "Time axis of its own");
-    let wheel = egui::Event::MouseWheel {
-        unit: egui::MouseWheelUnit::Point,
-        delta: egui::vec2(0.0, 200.0),
-        modifiers: egui::Modifiers::NONE,
-        phase: egui::TouchPhase::Move,
-        source: egui::MouseWheelSource::Wheel,
-    };
     window.hover_at(own.center());
     window.run_steps(1);
-    window.event(wheel.clone());
+    window.event(WHEEL);
     window.run_steps(20);
     assert_eq!(window.state().views.time.x, None);
     window.hover_at(other.center());
     window.run_steps(1);
-    window.event(wheel);
+    window.event(WHEEL);
     window.run_steps(20);
     assert!(window.state().views.time.x.is_some());
 }

@@ -61,6 +61,8 @@ fn what_is_seen_is_exported() {
         window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::E);
         window.run_steps(3);
         save_as(&mut window, name);
+        until(&mut window, "the file", |window| !window.state().is_busy());
+        window.run_steps(1);
     }
     let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
     assert!(read("view.png").starts_with(b"\x89PNG") && read("view.png").len() > 20_000);

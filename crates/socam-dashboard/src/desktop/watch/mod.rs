@@ -11,6 +11,7 @@ use socam_monitoring::{Alarm, Event, Overlay};
 
 use super::fitting::command;
 use super::fitting::options::{First, Form, Layout, Offered};
+use crate::departure::diagnose_button;
 use crate::layout;
 use crate::progress::wake;
 use crate::view::{Help, ViewPanel};
@@ -179,8 +180,7 @@ impl WatchView {
         let Some(alarm) = alarm else { return };
         if self.link == workspace.bench.number() && self.link > 0 {
             ui.add_space(6.0);
-            let why = "Opens what was recorded since the change, and leads to Diagnosis";
-            if ui.button("Diagnose from here").on_hover_text(why).clicked() {
+            if diagnose_button(ui) {
                 let departure = Departure { link: self.link, onset_s: alarm.onset_s };
                 workspace.request(Request::Diagnose(departure));
             }

@@ -170,7 +170,7 @@ fn more(ui: &mut Ui, entry: &mut Entry, name: &str, other: Option<&str>) -> Opti
                 }
             });
             let tip = "Names, units and the clock of the file's columns";
-            if is_table(entry) && ui.button("Set units...").on_hover_text(tip).clicked() {
+            if is_log(entry) == Some(false) && ui.button("Set units...").on_hover_text(tip).clicked() {
                 done = Some(Done::Columns);
             }
             if ui.button("Close recording").clicked() {
@@ -188,10 +188,10 @@ fn more(ui: &mut Ui, entry: &mut Entry, name: &str, other: Option<&str>) -> Opti
     done
 }
 
-/// Whether its file is a table whose columns can be named; logs name theirs.
-fn is_table(entry: &Entry) -> bool {
-    let extension = entry.recording.path().and_then(|path| path.extension());
-    extension.is_some_and(|extension| !extension.eq_ignore_ascii_case("mcap"))
+/// Whether its file is a log, which names its columns, or a table, whose columns can be named; `None` for neither.
+fn is_log(entry: &Entry) -> Option<bool> {
+    let extension = entry.recording.path()?.extension()?;
+    Some(extension.eq_ignore_ascii_case("mcap"))
 }
 
 /// Facts, warnings and notes below a row.
@@ -212,8 +212,7 @@ fn details(ui: &mut Ui, entry: &Entry) {
 /// What can be done about a log that is cut off or damaged.
 fn remedy(entry: &Entry) -> Option<String> {
     let about = &entry.recording.about;
-    let is_log = entry.recording.path().is_some_and(|path| path.extension().is_some_and(|end| end == "mcap"));
-    (about.is_incomplete && is_log)
+    (about.is_incomplete && is_log(entry) == Some(true))
         .then(|| format!("`socam-host recover {}` writes a whole log of what can be read", about.name))
 }
 
