@@ -19,7 +19,7 @@ use super::{Args, attachment, now_unix_ns, watched};
 use super::{can, foxglove};
 use crate::commands::Outcome;
 use crate::device::Device;
-use crate::device::source::{Link, Node, Protocol, SourceAddress, SourcePlan, listen, record};
+use crate::device::source::{Link, Node, Protocol, SourceAddress, SourcePlan, SourceWriter, listen, record};
 use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
 use crate::output::WrongArguments;
@@ -116,6 +116,7 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
         LiveWatch::start(monitor, channels.len(), false)
     });
     let mut header = RecordingHeader::new(channels);
+    header.start_unix_ns = opened_unix_ns;
     let duration_s = args.record.duration_s.filter(|_| commanded.is_none());
     header.planned_duration_s = duration_s;
     header.replace = args.force;
@@ -132,7 +133,7 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
     }
     header.attachments.extend(description.into_iter().flat_map(|text| attachment("device.toml", text)));
     header.attachments.extend(attachment("model.toml", socam_job::model_text(&args.bench.model)?));
-    let plan = SourcePlan { name, path: path.into(), opened_unix_ns, header, duration_s, serve };
+    let plan = SourcePlan { name, file: SourceWriter::new(path.into(), header), duration_s, serve };
     let report = record(&mut link, &mut *device, timeline, plan, heard, watch.transpose()?, &interrupt)?;
     tell(path, &report, is_commanded, args.json)?;
     outcome(path, &report)

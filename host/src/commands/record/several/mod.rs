@@ -284,7 +284,7 @@ impl All {
                     self.merge.push(index, host_ns, row.sequence, row.values);
                 }
             }
-            Got::Happened(kind, text) => self.file.event(kind, &format!("{label}: {text}")),
+            Got::Happened(kind, text) => self.file.event(kind, format!("{label}: {text}")),
             Got::Broke => {}
         }
     }
