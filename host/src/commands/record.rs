@@ -9,6 +9,7 @@ mod result;
 mod several;
 pub(crate) mod source;
 pub(crate) mod source_result;
+pub(crate) mod summary;
 
 use std::fmt::Write;
 use std::path::PathBuf;

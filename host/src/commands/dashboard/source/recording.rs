@@ -6,7 +6,7 @@ use socam_recording::{RecordingHeader, SampleRow};
 use socam_sources::Counts;
 
 use crate::commands::record::source::metadata;
-use crate::commands::record::{attachment, source_result};
+use crate::commands::record::{attachment, source_result, summary::ended_early};
 use crate::device::source::{Listener, Row, SourceEnd, SourceReport, SourceWriter, clock_text, sample};
 
 /// What every recording of a device says of it.
@@ -102,9 +102,7 @@ impl Recording {
             Ok(None) => {
                 return ("ended before a sample had arrived, so that there is no file".into(), false);
             }
-            Err(error) => {
-                return (format!("{error} (what was recorded until then is in {})", path.display()), false);
-            }
+            Err(error) => return (ended_early(error, &path), false),
         };
         let is_whole = summary.lost == 0 && reason.is_none();
         let report = SourceReport {
