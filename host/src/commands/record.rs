@@ -9,6 +9,7 @@ mod result;
 mod several;
 pub(crate) mod source;
 pub(crate) mod source_result;
+pub(crate) mod summary;
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -156,13 +157,9 @@ pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     let mut session = device::open(device, bench)?;
     let text = args.calibration.as_deref().map(socam_recording::read_text).transpose()?;
     calibrate(&mut plan, &session, setup.map(|setup| setup.calibration).or(calibration), text)?;
-    let watch = watched.map(|(model, baseline)| {
-        let channels = run::Columns::of(&plan.calibration).channels;
-        let monitor = Monitor::new(&model, &channels, baseline, args.watch.watching.settings())?;
-        LiveWatch::start(monitor, channels.len(), session.is_patient())
-    });
-    let watch = watch.transpose()?;
-    let serve = args.serve(&run::Columns::of(&plan.calibration).channels, plan.start_unix_ns)?;
+    let channels = run::Columns::of(&plan.calibration).channels;
+    let watch = watch(&args, watched, &channels, session.is_patient())?;
+    let serve = args.serve(&channels, plan.start_unix_ns)?;
     let report = run::record_watched(&mut session, plan, &interrupt, watch, serve)?;
     tell(path, &report, rate_hz, args.json)?;
     tell_early_end(&args.record, &report);
@@ -195,6 +192,18 @@ fn watched(args: &Args) -> anyhow::Result<Option<(Model, Option<Baseline>)>> {
     let model = socam_job::load_model(name)?;
     let baseline = args.watch.baseline(&model)?;
     Ok(Some((model, baseline)))
+}
+
+/// Starts the monitoring of samples of these channels, if it is requested. `is_patient`: whether the run waits for it.
+fn watch(
+    args: &Args,
+    watched: Option<(Model, Option<Baseline>)>,
+    channels: &[Channel],
+    is_patient: bool,
+) -> anyhow::Result<Option<LiveWatch>> {
+    let Some((model, baseline)) = watched else { return Ok(None) };
+    let monitor = Monitor::new(&model, channels, baseline, args.watch.watching.settings())?;
+    LiveWatch::start(monitor, channels.len(), is_patient).map(Some)
 }
 
 /// Sets the calibration of a plan: the given one, or that of the virtual bench, or the default one for the board's converters; and

@@ -15,7 +15,6 @@ use std::io::Write;
 use std::str::FromStr;
 
 use anyhow::anyhow;
-use socam_recording::RecordingSummary;
 use socam_sim::Setup;
 
 pub(crate) use in_process::{InProcess, Pace};
@@ -25,8 +24,8 @@ use stream::{Stream, find_board, open_serial, open_tcp};
 use token::Token;
 
 /// How many samples a recording lacks, in words.
-pub(crate) fn lost_words(summary: &RecordingSummary) -> String {
-    if summary.lost == 0 { "none lost".into() } else { format!("{} lost", summary.lost) }
+pub(crate) fn lost_words(lost: u64) -> String {
+    if lost == 0 { "none lost".into() } else { format!("{lost} lost") }
 }
 
 /// Location of a board.

@@ -92,9 +92,7 @@ pub(crate) fn record_watched(
         bail!("stopped before the bench moved");
     }
     let mut terminal = Terminal { interrupt, progress: progress(plan.profile.duration_us), watch, serve };
-    let report = record_prepared(session, plan, &mut terminal);
-    // The bench is at rest or out of reach; a failure here has no effect.
-    let _ = session.post(Request::Stream(false));
+    let report = record_to_rest(session, plan, &mut terminal);
     terminal.progress.finish_and_clear();
     report
 }
@@ -106,6 +104,11 @@ pub(crate) fn observe(
     monitor: &mut dyn Monitor,
 ) -> anyhow::Result<Report> {
     prepare(session, &plan)?;
+    record_to_rest(session, plan, monitor)
+}
+
+/// Runs a plan that has been loaded, and ends the stream after it.
+fn record_to_rest(session: &mut Session, plan: Plan, monitor: &mut dyn Monitor) -> anyhow::Result<Report> {
     let report = record_prepared(session, plan, monitor);
     // The bench is at rest or out of reach; a failure here has no effect.
     let _ = session.post(Request::Stream(false));

@@ -16,7 +16,7 @@ use crate::device::run::{End, Monitor, Report};
 /// Result of a run: a sentence, whether it succeeded, and the reason if the link is broken.
 pub(super) fn ended(path: &Path, report: &Report) -> (String, bool, Option<String>) {
     let summary = &report.summary;
-    let lost = lost_words(summary);
+    let lost = lost_words(summary.lost);
     let kept =
         format!("{}: {} samples over {:.2} s, {lost}", path.display(), summary.written, report.duration_s);
     match &report.end {

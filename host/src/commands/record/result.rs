@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::summary::{Summary, ended_early};
 use crate::commands::Outcome;
 use crate::device::lost_words;
 use crate::device::run::{End, Report};
@@ -9,13 +10,8 @@ use crate::output;
 
 #[derive(Serialize)]
 struct Document<'a> {
-    schema: &'static str,
-    recording: String,
-    samples: u64,
-    lost: u64,
-    missed: u64,
-    overflowed: u64,
-    refused: u64,
+    #[serde(flatten)]
+    summary: Summary,
     bytes: u64,
     duration_s: f64,
     rate_hz: f64,
@@ -35,13 +31,7 @@ pub(crate) fn tell(path: &std::path::Path, report: &Report, rate_hz: f64, json: 
     };
     if json {
         return output::print_json(&Document {
-            schema: "socam.run/1",
-            recording: path.display().to_string(),
-            samples: summary.written,
-            lost: summary.lost,
-            missed: summary.missed,
-            overflowed: summary.overflowed,
-            refused: summary.refused,
+            summary: Summary::of(path, summary),
             bytes: summary.bytes,
             duration_s: report.duration_s,
             rate_hz,
@@ -50,7 +40,7 @@ pub(crate) fn tell(path: &std::path::Path, report: &Report, rate_hz: f64, json: 
             enable_read_back: report.enable_feedback.to_string(),
         });
     }
-    let lost = lost_words(summary);
+    let lost = lost_words(summary.lost);
     output::print(&format!(
         "{}: {} samples over {:.3} s at {rate_hz} Hz, {lost}{}\n",
         path.display(),
@@ -64,14 +54,9 @@ pub(crate) fn tell(path: &std::path::Path, report: &Report, rate_hz: f64, json: 
 pub(crate) fn outcome(path: &std::path::Path, report: &Report) -> anyhow::Result<Outcome> {
     match &report.end {
         End::Fault(reason) => {
-            anyhow::bail!(
-                "the board ended the run: {reason} (what was recorded until then is in {})",
-                path.display()
-            )
+            anyhow::bail!(ended_early(format_args!("the board ended the run: {reason}"), path))
         }
-        End::Broken(reason) => {
-            anyhow::bail!("{reason} (what was recorded until then is in {})", path.display())
-        }
+        End::Broken(reason) => anyhow::bail!(ended_early(reason, path)),
         End::Finished | End::Stopped if report.summary.lost > 0 => Ok(Outcome::LostSamples),
         End::Finished | End::Stopped => Ok(Outcome::Done),
     }

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
 
-use socam_monitoring::Monitor;
 use socam_recording::{MACHINE_KEY, RecordingHeader};
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
@@ -15,13 +14,12 @@ use super::described::{SourceArgs, described};
 use super::drive::{self, Armed};
 use super::opened::Opened;
 use super::source_result::{outcome, tell};
-use super::{Args, attachment, now_unix_ns, watched};
+use super::{Args, attachment, now_unix_ns, watch, watched};
 use super::{can, foxglove};
 use crate::commands::Outcome;
 use crate::device::Device;
-use crate::device::source::{Link, Node, Protocol, SourceAddress, SourcePlan, listen, record};
+use crate::device::source::{Link, Node, Protocol, SourceAddress, SourcePlan, SourceWriter, listen, record};
 use crate::interrupt::Interrupt;
-use crate::live_watch::LiveWatch;
 use crate::output::WrongArguments;
 
 /// What `--device` names.
@@ -110,12 +108,8 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
         }
     };
     let Opened { mut device, timeline, heard, description } = opened;
-    let channels = device.channels().to_vec();
-    let watch = watched.map(|(model, baseline)| {
-        let monitor = Monitor::new(&model, &channels, baseline, args.watch.watching.settings())?;
-        LiveWatch::start(monitor, channels.len(), false)
-    });
-    let mut header = RecordingHeader::new(channels);
+    let mut header = RecordingHeader::new(device.channels().to_vec());
+    header.start_unix_ns = opened_unix_ns;
     let duration_s = args.record.duration_s.filter(|_| commanded.is_none());
     header.planned_duration_s = duration_s;
     header.replace = args.force;
@@ -132,8 +126,9 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
     }
     header.attachments.extend(description.into_iter().flat_map(|text| attachment("device.toml", text)));
     header.attachments.extend(attachment("model.toml", socam_job::model_text(&args.bench.model)?));
-    let plan = SourcePlan { name, path: path.into(), opened_unix_ns, header, duration_s, serve };
-    let report = record(&mut link, &mut *device, timeline, plan, heard, watch.transpose()?, &interrupt)?;
+    let plan = SourcePlan { name, file: SourceWriter::new(path.into(), header), duration_s, serve };
+    let watch = watch(args, watched, device.channels(), false)?;
+    let report = record(&mut link, &mut *device, timeline, plan, heard, watch, &interrupt)?;
     tell(path, &report, is_commanded, args.json)?;
     outcome(path, &report)
 }

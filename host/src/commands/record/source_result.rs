@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use socam_sources::ClockMap;
 
+use super::summary::{Summary, ended_early};
 use crate::commands::Outcome;
 use crate::device::lost_words;
 use crate::device::source::{SourceEnd, SourceReport};
@@ -15,13 +16,8 @@ const DRIFT: f64 = 1e-3;
 
 #[derive(Serialize)]
 struct Document<'a> {
-    schema: &'static str,
-    recording: String,
-    samples: u64,
-    lost: u64,
-    missed: u64,
-    overflowed: u64,
-    refused: u64,
+    #[serde(flatten)]
+    summary: Summary,
     repeated: u64,
     late: u64,
     damaged: u64,
@@ -73,13 +69,7 @@ pub(super) fn tell(path: &Path, report: &SourceReport, is_commanded: bool, json:
     }
     if json {
         return output::print_json(&Document {
-            schema: "socam.run/1",
-            recording: path.display().to_string(),
-            samples: summary.written,
-            lost: summary.lost,
-            missed: summary.missed,
-            overflowed: summary.overflowed,
-            refused: summary.refused,
+            summary: Summary::of(path, summary),
             repeated: counts.repeated,
             late: counts.late,
             damaged: counts.damaged,
@@ -101,7 +91,7 @@ pub(super) fn tell(path: &Path, report: &SourceReport, is_commanded: bool, json:
 /// The result in words: `run.mcap: 5000 samples over 5.000 s, none lost (counted by ...); 2 damaged messages`.
 pub(crate) fn text(path: &Path, report: &SourceReport, is_commanded: bool) -> String {
     let (summary, counts) = (&report.summary, &report.counts);
-    let lost = lost_words(summary);
+    let lost = lost_words(summary.lost);
     let mut text = format!(
         "{}: {} samples over {:.3} s, {lost} (counted {})",
         path.display(),
@@ -148,9 +138,7 @@ pub(crate) fn text(path: &Path, report: &SourceReport, is_commanded: bool) -> St
 
 pub(super) fn outcome(path: &Path, report: &SourceReport) -> anyhow::Result<Outcome> {
     match &report.end {
-        SourceEnd::Gone(reason) | SourceEnd::Ended(reason) => {
-            anyhow::bail!("{reason} (what was recorded until then is in {})", path.display())
-        }
+        SourceEnd::Gone(reason) | SourceEnd::Ended(reason) => anyhow::bail!(ended_early(reason, path)),
         _ if report.summary.lost > 0 => Ok(Outcome::LostSamples),
         _ => Ok(Outcome::Done),
     }

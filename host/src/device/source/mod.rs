@@ -9,6 +9,7 @@ mod report;
 mod run;
 #[cfg(all(target_os = "linux", feature = "formats-can"))]
 mod socket;
+mod writer;
 
 pub(crate) use address::{Place, Protocol, SourceAddress};
 #[cfg(feature = "formats-can")]
@@ -21,3 +22,4 @@ pub(crate) use listener::{Got, Listener, Row};
 pub(crate) use report::clock_text;
 pub(crate) use report::{SourceEnd, SourcePlan, SourceReport};
 pub(crate) use run::record;
+pub(crate) use writer::{SourceWriter, sample};

@@ -1,22 +1,17 @@
 //! Settings and result of a recording of a source.
 
-use std::path::PathBuf;
-
-use socam_recording::{RecordingHeader, RecordingSummary};
+use socam_recording::RecordingSummary;
 use socam_sources::{ClockMap, Counts};
 
+use super::writer::SourceWriter;
 use crate::serve::Serve;
 
 /// The settings of a recording of a source.
 pub(crate) struct SourcePlan {
     /// Name of the device in messages.
     pub(crate) name: String,
-    /// Path of the recording.
-    pub(crate) path: PathBuf,
-    /// Time of day at which the link was opened, ns since 1970.
-    pub(crate) opened_unix_ns: u64,
-    /// What is known before the first sample; its start is set at that sample.
-    pub(crate) header: RecordingHeader,
+    /// The recording; times of arrival are those since the link was opened.
+    pub(crate) file: SourceWriter,
     /// Time from the first to the last sample; `None` until it is stopped.
     pub(crate) duration_s: Option<f64>,
     /// Whoever looks at it while it runs.

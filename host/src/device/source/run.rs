@@ -4,18 +4,17 @@ use std::time::Duration;
 
 use anyhow::bail;
 use indicatif::ProgressBar;
-use socam_recording::{Event, Recorder, SampleRow, Status};
-use socam_sources::{Counts, Device, Heard, Placed, Timeline};
+use socam_recording::{Event, SampleRow};
+use socam_sources::{Device, Heard, Placed, Timeline};
 
 use super::link::{Arrived, Link};
 use super::listen::Listened;
 use super::report::{SourceEnd, SourcePlan, SourceReport, clock_text};
+use super::writer::sample;
 use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
 use crate::output;
 
-/// Interval of the statuses in the recording.
-const STATUS_EVERY_NS: i64 = 1_000_000_000;
 /// Longest time for which a device may be gone or silent.
 const GONE_NS: i64 = 10_000_000_000;
 /// Longest time for which a device may send no sample, ns; one that knows why says so before.
@@ -32,13 +31,8 @@ struct Run<'r> {
     device: &'r mut dyn Device,
     timeline: Timeline,
     watch: Option<LiveWatch>,
-    recorder: Option<Recorder>,
     /// Events before the first sample, which wait for the file.
     early: Vec<Event>,
-    /// Time of the last sample, ns since the first.
-    time_ns: i64,
-    /// Time at which the last status was written.
-    status_ns: i64,
     notes: u32,
     jumps: u32,
     /// Reasons of damaged messages, as the first one says them.
@@ -67,10 +61,7 @@ pub(crate) fn record(
         device,
         timeline,
         watch,
-        recorder: None,
         early: Vec::new(),
-        time_ns: 0,
-        status_ns: 0,
         notes: 0,
         jumps: 0,
         damage: None,
@@ -161,10 +152,10 @@ impl Run<'_> {
             if let Some(event) = self.watch.as_ref().and_then(LiveWatch::event) {
                 self.write(&event);
             }
-            if self.recorder.as_ref().is_some_and(Recorder::has_failed) {
+            if self.plan.file.has_failed() {
                 break;
             }
-            progress.set_position(self.time_ns as u64 / 1_000_000);
+            progress.set_position(self.plan.file.last_ns as u64 / 1_000_000);
         }
         Ok(self.stated.take().unwrap_or(SourceEnd::Finished))
     }
@@ -203,10 +194,8 @@ impl Run<'_> {
                         self.is_over = true;
                         continue;
                     }
-                    if self.recorder.is_none() {
-                        self.create(row.arrival_ns)?;
-                    }
-                    self.time_ns = time_ns;
+                    self.begin(row.arrival_ns)?;
+                    self.plan.file.last_ns = time_ns;
                     if jumped {
                         self.jumped();
                     }
@@ -229,42 +218,29 @@ impl Run<'_> {
                 }
             }
         }
-        let rows: Vec<SampleRow<'_>> = rows
-            .iter()
-            .map(|(device_time_ns, sequence, values)| SampleRow {
-                device_time_ns: *device_time_ns,
-                sequence: *sequence,
-                flags: 0,
-                raw_counts: &[],
-                values,
-            })
-            .collect();
-        if let Some(recorder) = self.recorder.as_mut().filter(|_| !rows.is_empty()) {
+        let rows: Vec<SampleRow<'_>> =
+            rows.iter().map(|(time_ns, sequence, values)| sample(*time_ns, *sequence, values)).collect();
+        if !rows.is_empty() {
             if let Some(watch) = &mut self.watch {
                 watch.take(&rows);
             }
             if let Some(serve) = &mut self.plan.serve {
                 serve.take(&rows);
             }
-            recorder.push_samples(&rows);
-        }
-        if self.time_ns - self.status_ns >= STATUS_EVERY_NS {
-            self.status();
+            self.plan.file.push(&rows, self.timeline.counts().damaged);
         }
         Ok(is_sample)
     }
 
     /// Creates the file at the first sample, whose time of day it states.
-    fn create(&mut self, arrival_ns: i64) -> anyhow::Result<()> {
-        self.plan.header.start_unix_ns = self.plan.opened_unix_ns.saturating_add_signed(arrival_ns);
-        if let Some(serve) = &mut self.plan.serve {
-            serve.begin(self.plan.header.start_unix_ns);
+    fn begin(&mut self, arrival_ns: i64) -> anyhow::Result<()> {
+        let SourcePlan { file, serve, .. } = &mut self.plan;
+        if file.begin(arrival_ns)? {
+            if let Some(serve) = serve {
+                serve.begin(file.header.start_unix_ns);
+            }
+            self.early.drain(..).for_each(|event| file.event(&event));
         }
-        let mut recorder = Recorder::create(&self.plan.path, &self.plan.header)?;
-        for event in self.early.drain(..) {
-            recorder.event(&event);
-        }
-        self.recorder = Some(recorder);
         Ok(())
     }
 
@@ -274,7 +250,7 @@ impl Run<'_> {
             output::warn(format_args!(
                 "the clock or number of {} jumped at {:.3} s; the time goes on by this computer's clock",
                 self.plan.name,
-                self.time_ns as f64 * 1e-9
+                self.plan.file.last_ns as f64 * 1e-9
             ));
         }
         self.note("note", "the device's clock jumped; the time goes on by the host's clock".into());
@@ -301,7 +277,7 @@ impl Run<'_> {
             GONE_NS / 1_000_000_000
         ));
         self.note("fault", format!("the link broke: {error}"));
-        self.status();
+        self.plan.file.status(self.timeline.counts().damaged);
     }
 
     /// Opens the link again, until that works or takes too long.
@@ -321,7 +297,7 @@ impl Run<'_> {
     fn note(&mut self, kind: &str, text: String) {
         self.notes += 1;
         if self.notes <= MOST_EVENTS {
-            self.write(&Event { device_time_ns: self.time_ns, kind: kind.into(), text });
+            self.write(&self.plan.file.event_now(kind, text));
         }
     }
 
@@ -329,41 +305,25 @@ impl Run<'_> {
         if let Some(serve) = &mut self.plan.serve {
             serve.event(event);
         }
-        match &mut self.recorder {
-            Some(recorder) => {
-                recorder.event(event);
-            }
-            None => self.early.push(event.clone()),
-        }
-    }
-
-    fn status(&mut self) {
-        self.status_ns = self.time_ns;
-        let Counts { damaged, .. } = self.timeline.counts();
-        if let Some(recorder) = &mut self.recorder {
-            let lost = recorder.lost();
-            recorder.status(&Status {
-                device_time_ns: self.time_ns,
-                state: "listening".into(),
-                overruns: 0,
-                lost,
-                link_errors: damaged,
-            });
+        if self.plan.file.has_begun() {
+            self.plan.file.event(event);
+        } else {
+            self.early.push(event.clone());
         }
     }
 
     fn finish(mut self, end: SourceEnd, strangers: u64) -> anyhow::Result<SourceReport> {
-        self.status();
+        self.plan.file.status(self.timeline.counts().damaged);
         if let SourceEnd::Gone(text) | SourceEnd::Ended(text) = &end {
             self.note("fault", text.clone());
         }
         if let Some(text) = clock_text(self.timeline.clock_map().as_ref()) {
-            self.write(&Event { device_time_ns: self.time_ns, kind: "note".into(), text });
+            self.write(&self.plan.file.event_now("note", text));
         }
         for event in self.watch.as_mut().map(LiveWatch::finish).unwrap_or_default() {
             self.write(&event);
         }
-        let Some(recorder) = self.recorder.take() else {
+        let Some((summary, duration_s)) = self.plan.file.finish()? else {
             match end {
                 SourceEnd::Gone(reason) | SourceEnd::Ended(reason) => {
                     bail!("{reason}, before the first sample")
@@ -372,9 +332,9 @@ impl Run<'_> {
             }
         };
         Ok(SourceReport {
-            summary: recorder.finish()?,
+            summary,
             end,
-            duration_s: self.time_ns as f64 * 1e-9,
+            duration_s,
             counts: self.timeline.counts(),
             interruptions: self.interruptions,
             strangers,

@@ -9,7 +9,6 @@ mod shown;
 use std::sync::mpsc::TryRecvError;
 use std::time::{Duration, Instant};
 
-use socam_recording::Event;
 use socam_sources::Timeline;
 use socam_workbench::about::Happening;
 use socam_workbench::device::SourceState;
@@ -82,7 +81,7 @@ impl Live<'_> {
             self.own.presses.store(0, std::sync::atomic::Ordering::SeqCst);
             let got = self.listener.turn()?;
             self.take(got);
-            if self.recording.as_ref().is_some_and(Recording::has_failed) {
+            if self.recording.as_ref().is_some_and(|recording| recording.file.has_failed()) {
                 self.end_recording(None);
             }
             if self.told.is_none_or(|told| told.elapsed() > STATE_EVERY) {
@@ -128,7 +127,7 @@ impl Live<'_> {
         match recording.take(rows, self.listener.timeline.counts().damaged) {
             Ok(false) => {}
             Ok(true) => {
-                let (path, time_s) = (recording.path.clone(), self.shown.time_of(first));
+                let (path, time_s) = (recording.file.path.clone(), self.shown.time_of(first));
                 self.tell(News::Began { path, planned_s: 0.0 });
                 let (kind, text) = ("start".into(), "the recording begins".into());
                 self.tell(News::Event(Happening { time_s, kind, text }));
@@ -154,7 +153,7 @@ impl Live<'_> {
         if let Some(reason) = &reason {
             recording.event("fault", reason.clone());
         }
-        let path = recording.path.clone();
+        let path = recording.file.path.clone();
         let (text, well) = recording.finish(&self.listener, reason);
         self.tell(News::Ended { path, text, well });
     }
@@ -173,7 +172,7 @@ impl Live<'_> {
             jumps: counts.jumps,
             interruptions: self.listener.interruptions,
             times: times(timeline),
-            recorded: self.recording.as_ref().map(Recording::counts),
+            recorded: self.recording.as_ref().map(|recording| recording.file.counts()),
         }
     }
 }
@@ -191,9 +190,4 @@ fn times(timeline: &Timeline) -> String {
         }
         None => "the clocks are being compared".into(),
     }
-}
-
-/// An event of a recording.
-fn event(device_time_ns: i64, kind: &str, text: String) -> Event {
-    Event { device_time_ns, kind: kind.into(), text }
 }

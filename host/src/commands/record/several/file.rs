@@ -1,20 +1,15 @@
 //! The recording of several devices.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::bail;
-use socam_recording::{
-    Channel, Event, MACHINE_KEY, Recorder, RecordingHeader, RecordingSummary, SampleRow, Status,
-};
+use socam_recording::{Channel, MACHINE_KEY, RecordingHeader, RecordingSummary};
 
 use super::attended::Ready;
 use super::merge::Merged;
 use crate::commands::record::{Args, attachment};
-use crate::device::source::SourceAddress;
+use crate::device::source::{SourceAddress, SourceWriter, sample};
 use crate::live_watch::LiveWatch;
-
-/// Interval of the statuses in the recording, ns.
-const STATUS_EVERY_NS: i64 = 1_000_000_000;
 
 /// What the recording says of the devices.
 pub(super) fn header(
@@ -57,16 +52,11 @@ pub(super) struct Made {
 
 /// A recording whose file is created by its first row.
 pub(super) struct File {
-    path: PathBuf,
-    header: RecordingHeader,
+    writer: SourceWriter,
     duration_s: Option<f64>,
     watch: Option<LiveWatch>,
-    recorder: Option<Recorder>,
     /// Time of the first row since the recorder began, ns, and its number.
     first: Option<(i64, u64)>,
-    /// Time of the last row since the first one, ns, and that of the last status.
-    last_ns: i64,
-    status_ns: i64,
     is_over: bool,
     /// Whether the operator stopped it.
     pub(super) is_stopped: bool,
@@ -80,14 +70,10 @@ impl File {
         watch: Option<LiveWatch>,
     ) -> Self {
         Self {
-            path: path.into(),
-            header,
+            writer: SourceWriter::new(path.into(), header),
             duration_s,
             watch,
-            recorder: None,
             first: None,
-            last_ns: 0,
-            status_ns: 0,
             is_over: false,
             is_stopped: false,
         }
@@ -95,7 +81,7 @@ impl File {
 
     /// Whether it has lasted as long as planned, or its file can no longer be written.
     pub(super) fn is_over(&self) -> bool {
-        self.is_over || self.recorder.as_ref().is_some_and(Recorder::has_failed)
+        self.is_over || self.writer.has_failed()
     }
 
     /// Records a row.
@@ -108,71 +94,39 @@ impl File {
         if self.is_over {
             return Ok(());
         }
-        let recorder = match &mut self.recorder {
-            Some(recorder) => recorder,
-            None => {
-                self.header.start_unix_ns = self.header.start_unix_ns.saturating_add_signed(row.time_ns);
-                self.recorder.insert(Recorder::create(&self.path, &self.header)?)
-            }
-        };
-        let sequence = row.sequence.saturating_sub(first);
-        let sample = SampleRow { device_time_ns, sequence, flags: 0, raw_counts: &[], values: &row.values };
-        self.last_ns = device_time_ns;
-        recorder.push_samples(std::slice::from_ref(&sample));
+        self.writer.begin(row.time_ns)?;
+        let samples = [sample(device_time_ns, row.sequence.saturating_sub(first), &row.values)];
+        self.writer.push(&samples, 0);
         if let Some(watch) = &mut self.watch {
-            watch.take(std::slice::from_ref(&sample));
-        }
-        if self.last_ns - self.status_ns >= STATUS_EVERY_NS {
-            self.status();
+            watch.take(&samples);
         }
         Ok(())
     }
 
     /// Records an event at the time of the last row.
-    pub(super) fn event(&mut self, kind: &str, text: &str) {
-        let event = Event { device_time_ns: self.last_ns, kind: kind.into(), text: text.into() };
-        if let Some(recorder) = &mut self.recorder {
-            recorder.event(&event);
-        }
+    pub(super) fn event(&mut self, kind: &str, text: String) {
+        self.writer.event(&self.writer.event_now(kind, text));
     }
 
     /// Records what the watch has to say.
     pub(super) fn watch(&mut self) {
         while let Some(event) = self.watch.as_ref().and_then(LiveWatch::event) {
-            if let Some(recorder) = &mut self.recorder {
-                recorder.event(&event);
-            }
-        }
-    }
-
-    fn status(&mut self) {
-        self.status_ns = self.last_ns;
-        if let Some(recorder) = &mut self.recorder {
-            let lost = recorder.lost();
-            recorder.status(&Status {
-                device_time_ns: self.last_ns,
-                state: "listening".into(),
-                overruns: 0,
-                lost,
-                link_errors: 0,
-            });
+            self.writer.event(&event);
         }
     }
 
     /// Closes the file.
     pub(super) fn finish(mut self, gone: Option<String>) -> anyhow::Result<Made> {
-        self.status();
+        self.writer.status(0);
         if let Some(reason) = &gone {
-            self.event("fault", reason);
+            self.event("fault", reason.clone());
         }
-        let events = self.watch.as_mut().map(LiveWatch::finish).unwrap_or_default();
-        let Some(mut recorder) = self.recorder.take() else {
+        for event in self.watch.as_mut().map(LiveWatch::finish).unwrap_or_default() {
+            self.writer.event(&event);
+        }
+        let Some((summary, duration_s)) = self.writer.finish()? else {
             bail!("{}, before the first sample", gone.unwrap_or_else(|| "stopped".into()));
         };
-        for event in &events {
-            recorder.event(event);
-        }
-        let duration_s = self.last_ns as f64 * 1e-9;
-        Ok(Made { summary: recorder.finish()?, duration_s, is_stopped: self.is_stopped, gone })
+        Ok(Made { summary, duration_s, is_stopped: self.is_stopped, gone })
     }
 }

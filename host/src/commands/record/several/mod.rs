@@ -15,7 +15,6 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use anyhow::bail;
-use socam_monitoring::Monitor;
 
 use self::attended::{Attended, Message, Ready, attend};
 use self::device_clock::DeviceClock;
@@ -23,11 +22,10 @@ use self::file::{File, Made};
 use self::merge::Merge;
 use super::described::SourceArgs;
 use super::source::{Target, of, refuse_board_options};
-use super::{Args, now_unix_ns, watched};
+use super::{Args, now_unix_ns, watch, watched};
 use crate::commands::Outcome;
 use crate::device::source::{Got, Node, Protocol, SourceAddress};
 use crate::interrupt::Interrupt;
-use crate::live_watch::LiveWatch;
 use crate::output::WrongArguments;
 
 /// Time for which all devices are heard before it is known which one is the fastest; it is recorded too.
@@ -68,12 +66,9 @@ pub(super) fn run(args: &Args, path: &Path) -> anyhow::Result<Outcome> {
         let mut survey = Survey::hear(&addresses, &messages, &interrupt)?;
         let merge = Merge::new(&survey.steps_s(), &survey.widths());
         let channels = names::channels(&survey.labels, &survey.ready, merge.order());
-        let watch = watched.map(|(model, baseline)| {
-            let monitor = Monitor::new(&model, &channels, baseline, args.watch.watching.settings())?;
-            LiveWatch::start(monitor, channels.len(), false)
-        });
         let header = file::header(args, &addresses, &survey.ready, (channels, begin_unix_ns))?;
-        let file = File::new(path, header, args.record.duration_s, watch.transpose()?);
+        let watch = watch(args, watched, &header.channels, false)?;
+        let file = File::new(path, header, args.record.duration_s, watch);
         let last_ns = vec![0; addresses.len()];
         let mut all = All { merge, clocks: std::mem::take(&mut survey.clocks), last_ns, file, gone: None };
         for (index, got) in std::mem::take(&mut survey.heard) {
@@ -284,7 +279,7 @@ impl All {
                     self.merge.push(index, host_ns, row.sequence, row.values);
                 }
             }
-            Got::Happened(kind, text) => self.file.event(kind, &format!("{label}: {text}")),
+            Got::Happened(kind, text) => self.file.event(kind, format!("{label}: {text}")),
             Got::Broke => {}
         }
     }

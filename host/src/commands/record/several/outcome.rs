@@ -7,18 +7,14 @@ use serde::Serialize;
 use super::attended::Attended;
 use super::file::Made;
 use crate::commands::Outcome;
+use crate::commands::record::summary::{Summary, ended_early};
 use crate::device::lost_words;
 use crate::output;
 
 #[derive(Serialize)]
 struct Document<'a> {
-    schema: &'static str,
-    recording: String,
-    samples: u64,
-    lost: u64,
-    missed: u64,
-    overflowed: u64,
-    refused: u64,
+    #[serde(flatten)]
+    summary: Summary,
     bytes: u64,
     duration_s: f64,
     end: &'static str,
@@ -83,13 +79,7 @@ pub(super) fn tell(
             None => ("finished", None),
         };
         return output::print_json(&Document {
-            schema: "socam.run/1",
-            recording: path.display().to_string(),
-            samples: summary.written,
-            lost: summary.lost,
-            missed: summary.missed,
-            overflowed: summary.overflowed,
-            refused: summary.refused,
+            summary: Summary::of(path, summary),
             bytes: summary.bytes,
             duration_s: made.duration_s,
             end,
@@ -102,7 +92,7 @@ pub(super) fn tell(
         path.display(),
         summary.written,
         made.duration_s,
-        lost_words(summary),
+        lost_words(summary.lost),
         if made.is_stopped { ", stopped by the operator" } else { "" }
     );
     devices.iter().for_each(|device| text.push_str(&line(device)));
@@ -114,7 +104,7 @@ pub(super) fn tell(
 
 /// `  moteus1: 5000 rows, none lost (counted ...), times of arrival within 1.2 ms`
 fn line(device: &Device<'_>) -> String {
-    let lost = if device.lost == 0 { "none lost".into() } else { format!("{} lost", device.lost) };
+    let lost = lost_words(device.lost);
     let times = if device.has_clock { "times by its clock, on this computer's" } else { "times of arrival" };
     let others = [
         (device.damaged, "damaged"),
@@ -139,7 +129,7 @@ fn line(device: &Device<'_>) -> String {
 /// The exit code.
 pub(super) fn of(path: &Path, made: &Made, attended: &[Attended]) -> anyhow::Result<Outcome> {
     if let Some(reason) = &made.gone {
-        anyhow::bail!("{reason} (what was recorded until then is in {})", path.display());
+        anyhow::bail!(ended_early(reason, path));
     }
     let is_whole = made.summary.lost == 0 && attended.iter().all(|device| device.lost == 0);
     Ok(if is_whole { Outcome::Done } else { Outcome::LostSamples })
