@@ -103,11 +103,7 @@ impl Topics {
             let MessageNumber::Value(value) = value else { continue };
             if let Some(place) = columns.by_path.get(path) {
                 let index = columns.places[*place];
-                let channel = &self.description.channels[index];
-                if channel.missing != Some(*value) {
-                    let whole = channel.wrap.map_or(*value, |wrap| self.unwraps[index].take(*value, wrap));
-                    values[*place] = channel.factor * whole + channel.offset;
-                }
+                values[*place] = self.unwraps[index].si(&self.description.channels[index], *value);
             } else if columns.number.as_deref() == Some(path) {
                 number = (*value >= 0.0).then_some(*value as u64);
             }
