@@ -192,12 +192,12 @@ impl Canopen {
             }
             return;
         };
-        let Pdo { length, places, .. } = self.pdos[number].clone();
-        if frame.bytes.len() != length {
+        if frame.bytes.len() != self.pdos[number].length {
             heard.push(Heard::Damaged("a PDO has another length than the drive's mapping"));
             return;
         }
-        for (index, begin) in places {
+        for held in 0..self.pdos[number].places.len() {
+            let (index, begin) = self.pdos[number].places[held];
             let width = self.objects.all[index].number.width();
             if let Some(bytes) = frame.bytes.get(begin..begin + width) {
                 self.value(index, bytes, heard);
@@ -298,22 +298,22 @@ impl Device for Canopen {
         if self.is_free() {
             return Ok(Some(flags_ns));
         }
+        if let Some(next_ns) = self.asking.wait(now_ns) {
+            if std::mem::take(&mut self.is_next_due)
+                && let Some(index) = self.asked.get(self.answered)
+            {
+                out.extend(upload(self.node, self.objects.all[*index].place));
+            }
+            return Ok(Some(next_ns.min(flags_ns)));
+        }
         let first = self.asked.first().map(|index| upload(self.node, self.objects.all[*index].place));
         let question =
             [if self.objects.is_synced { sync() } else { Vec::new() }, first.unwrap_or_default()].concat();
-        let before = out.len();
-        let next_ns = self.asking.poll(now_ns, &question, out);
-        if out.len() > before {
-            (self.answered, self.is_next_due) = (0, false);
-            if self.objects.is_synced {
-                self.take_values();
-            }
-        } else if std::mem::take(&mut self.is_next_due)
-            && let Some(index) = self.asked.get(self.answered)
-        {
-            out.extend(upload(self.node, self.objects.all[*index].place));
+        (self.answered, self.is_next_due) = (0, false);
+        if self.objects.is_synced {
+            self.take_values();
         }
-        Ok(Some(next_ns.min(flags_ns)))
+        Ok(Some(self.asking.poll(now_ns, &question, out).min(flags_ns)))
     }
 
     /// What is sent between questions waits until the next one.

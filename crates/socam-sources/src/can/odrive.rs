@@ -302,16 +302,15 @@ impl Device for OdriveCan {
         if matches!(self.trial, Trial::Silent { .. }) && self.order == Order::Prepare {
             return Ok(Some(now_ns + VERSION_NS));
         }
-        let question = self.bytes(self.order);
-        let before = out.len();
-        let next_ns = self.asking.poll(now_ns, &question, out);
-        if out.len() > before {
-            let Sample { temperatures, error, .. } = self.sample;
-            self.sample = Sample { temperatures, error, ..Sample::default() };
-            self.questions += 1;
-            self.is_begun |= matches!(self.order, Order::Speed(_));
+        if let Some(next_ns) = self.asking.wait(now_ns) {
+            return Ok(Some(next_ns));
         }
-        Ok(Some(next_ns))
+        let question = self.bytes(self.order);
+        let Sample { temperatures, error, .. } = self.sample;
+        self.sample = Sample { temperatures, error, ..Sample::default() };
+        self.questions += 1;
+        self.is_begun |= matches!(self.order, Order::Speed(_));
+        Ok(Some(self.asking.poll(now_ns, &question, out)))
     }
 
     /// What is sent between questions waits until the next one.
