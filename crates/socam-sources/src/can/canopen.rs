@@ -17,7 +17,7 @@ use super::slcan::CanFrame;
 use crate::asking::Asking;
 use crate::device::{Chunk, Device, Heard, Numbering, Row};
 use crate::error::{Result, SourceError};
-use discovery::{Discovery, Pdo};
+use discovery::{Discovery, Pdo, is_held};
 use messages::{
     Answer, Kind, LARGEST_NODE, STATUSWORD, kind, node_of, state_of_drive, state_of_node, sync, upload,
 };
@@ -99,8 +99,7 @@ impl Canopen {
     }
 
     fn configured(&mut self, pdos: Vec<Pdo>, heard: &mut Vec<Heard>) {
-        let is_held = |index: &usize| pdos.iter().any(|pdo| pdo.places.iter().any(|(held, _)| held == index));
-        self.asked = (0..self.objects.all.len()).filter(|index| !is_held(index)).collect();
+        self.asked = (0..self.objects.all.len()).filter(|index| !is_held(&pdos, *index)).collect();
         let names: Vec<String> = self.asked.iter().map(|index| self.objects.all[*index].name()).collect();
         let ids: Vec<String> = pdos.iter().map(|pdo| format!("{:X}", pdo.id)).collect();
         let by = |what: &str, all: &[String]| {
