@@ -215,12 +215,8 @@ impl OdriveCan {
             self.trial.heartbeat(arrival_ns, error, generation);
         }
         if error != before && error != 0 && !is_expected {
-            heard.push(Heard::Fault(self.fault_text(error)));
+            heard.push(Heard::Fault(generation.fault_text(error)));
         }
-    }
-
-    fn fault_text(&self, error: u64) -> String {
-        format!("the ODrive reports error {error:#x}{}", self.generation().error_names(error))
     }
 
     /// Asks for the firmware, until it is known or has not answered.

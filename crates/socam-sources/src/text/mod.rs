@@ -27,7 +27,7 @@ use lines::Lines;
 pub(crate) use probe::conclude;
 pub use probe::{Found, probe};
 #[cfg(feature = "foxglove")]
-pub(crate) use signal::{Role, Signal};
+pub(crate) use signal::{CLOCK_RATIO, Role, SHORTEST_S, Signal};
 pub(crate) use unwrap::Unwrap;
 use value::Value;
 
