@@ -4,13 +4,15 @@ pub mod bench;
 mod crew;
 mod draw;
 pub mod emulator;
+mod ending;
 pub mod firmware;
 mod process;
 pub mod readers;
 
 pub use crew::in_parallel;
 pub use draw::Draw;
-pub use process::{Ran, program, run, socam_host};
+pub use ending::Ending;
+pub use process::{Ran, program, record, run, socam_host};
 
 use std::path::PathBuf;
 
@@ -26,6 +28,15 @@ pub fn data_set(file: &str) -> Option<PathBuf> {
     let path = PathBuf::from(folder).join(file);
     assert!(path.exists(), "SOCAM_DATA has no {}", path.display());
     Some(path)
+}
+
+/// A name in a folder.
+///
+/// # Panics
+/// When the folder's own name is no text.
+#[must_use]
+pub fn path(folder: &tempfile::TempDir, name: &str) -> String {
+    folder.path().join(name).to_str().expect("a name of text").to_owned()
 }
 
 /// Says that a test does not run here and why; `tests/run` counts these lines, so a test calls it once.

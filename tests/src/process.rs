@@ -73,7 +73,22 @@ pub fn run<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Ran {
     socam_host().args(arguments).output().expect("socam-host starts").into()
 }
 
+/// Records a device into a log, with more arguments.
+#[must_use]
+pub fn record(device: &str, log: &str, more: &[&str]) -> Ran {
+    run(["record", "-o", log, "--device", device, "--json"].iter().chain(more))
+}
+
 impl Ran {
+    /// The JSON document that it printed, whatever its exit code.
+    ///
+    /// # Panics
+    /// When there is anything else.
+    #[must_use]
+    pub fn document(&self) -> serde_json::Value {
+        serde_json::from_str(&self.stdout).unwrap_or_else(|_| panic!("{self:?}"))
+    }
+
     /// Standard output of a program that succeeded.
     ///
     /// # Panics

@@ -6,7 +6,7 @@ use socam_model::Model;
 use socam_recording::{Calibration, Dataset, ProfileFile};
 use socam_tests::emulator::{Emulator, FILTERS, bench};
 use socam_tests::firmware::limit;
-use socam_tests::run;
+use socam_tests::{path, run};
 
 /// A profile for the closed velocity loop: all odd lines from 0.5 to 60 Hz about 860 rpm.
 const CLOSED_LOOP: &str = "
@@ -50,10 +50,6 @@ fn calibration() -> Calibration {
     let mut calibration = Calibration::default();
     calibration.input.full_scale_v = 10.24;
     calibration
-}
-
-fn path(folder: &tempfile::TempDir, name: &str) -> String {
-    folder.path().join(name).to_str().unwrap().to_owned()
 }
 
 /// Records on the emulated board; all samples must arrive. Returns what was measured of the sampling interrupt.

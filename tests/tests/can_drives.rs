@@ -11,7 +11,7 @@ use socam_recording::Dataset;
 use socam_sources::simulators::{
     BusSimulator, CanopenSimulator, Firmware, Inertia, Motor, Node, OdriveCanSimulator,
 };
-use socam_tests::{Ran, run, socam_host};
+use socam_tests::{Ending, Ran, path, record, run, socam_host};
 
 /// A sine that reaches 10 rad/s, for 3 s.
 const PROFILE: &str = "schema = \"socam.profile/1\"\ncommand = \"speed\"\nshape = \"sine\"\namplitude_rad_s = 10\nfrequency_Hz = 1\n\
@@ -64,26 +64,16 @@ impl<N: Node + Send> Bench<N> {
     }
 
     fn path(&self, name: &str) -> String {
-        self.folder.path().join(name).to_str().unwrap().to_owned()
+        path(&self.folder, name)
     }
 
     /// Records a drive on the bus, such as `odrive+` of node 3.
     fn record(&self, drive: &str, node: u8, more: &[&str]) -> Ran {
-        let (log, device) = (self.path("run.mcap"), format!("{drive}{}&node={node}", self.adapter));
-        run(["record", "-o", &log, "--device", &device, "--json"].iter().chain(more))
+        record(&format!("{drive}{}&node={node}", self.adapter), &self.path("run.mcap"), more)
     }
 
     fn recorded(&self) -> Dataset {
         Dataset::open(&self.path("run.mcap")).unwrap()
-    }
-}
-
-/// Ends the bus when the test ends, also where it fails.
-struct Ending<'o>(&'o AtomicBool);
-
-impl Drop for Ending<'_> {
-    fn drop(&mut self) {
-        self.0.store(true, Ordering::Relaxed);
     }
 }
 
@@ -168,7 +158,7 @@ fn a_drive_with_canopen_is_recorded_by_its_list_and_never_commanded() {
 fn hostile(device: &str, bytes: &[u8], more: &[&str]) -> (Ran, bool) {
     let (mut line, theirs) = TTYPort::pair().unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let path = |name: &str| path(&folder, name);
     let (log, list, dbc) = (path("run.mcap"), path("objects.toml"), path("bus.dbc"));
     std::fs::write(&list, OBJECTS).unwrap();
     let text = "VERSION \"\"\n\nBU_: A\n\nBO_ 257 M: 2 A\n SG_ speed : 0|16@1- (1,0) [0|0] \"rad/s\" A\n";
@@ -227,7 +217,7 @@ fn hostile_nodes_and_adapters_are_refused_in_one_sentence() {
 #[test]
 fn an_interface_that_is_not_there_is_refused_by_a_helpful_sentence() {
     let folder = tempfile::tempdir().unwrap();
-    let log = folder.path().join("run.mcap").to_str().unwrap().to_owned();
+    let log = path(&folder, "run.mcap");
     let refused = run(["record", "-o", &log, "--device", "odrive+socketcan:nosuchcan7?node=1"]);
     let sentence = refused.refusal(1);
     assert!(sentence.contains("nosuchcan7") && sentence.contains("slcan:PATH?bitrate=500k"), "{refused:?}");

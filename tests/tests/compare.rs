@@ -2,12 +2,7 @@
 
 use std::fmt::Write as _;
 
-use socam_tests::run;
-use tempfile::TempDir;
-
-fn path(folder: &TempDir, name: &str) -> String {
-    folder.path().join(name).to_str().unwrap().to_owned()
-}
+use socam_tests::{path, run};
 
 /// A table of a speed and a torque at 1 kHz; the torque has a friction, and noise that is the same for the same `noise`.
 fn table(rows: u32, friction: f64, noise: u32, start_s: f64) -> String {

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use serialport::{SerialPort, TTYPort};
 use socam_recording::Dataset;
 use socam_sources::simulators::{Inertia, Mishap, MoteusSimulator, Motor};
-use socam_tests::{Ran, run, socam_host};
+use socam_tests::{Ending, Ran, path, run, socam_host};
 
 /// A sine that reaches 10 rad/s, for 6 s.
 const PROFILE: &str = "schema = \"socam.profile/1\"\ncommand = \"speed\"\nshape = \"sine\"\namplitude_rad_s = 10\nfrequency_Hz = 1\n\
@@ -86,7 +86,7 @@ impl Bench {
     }
 
     fn path(&self, name: &str) -> String {
-        self.folder.path().join(name).to_str().unwrap().to_owned()
+        path(&self.folder, name)
     }
 
     fn arguments(&self, more: &[&str]) -> Vec<String> {
@@ -125,14 +125,6 @@ impl Bench {
 
     fn recorded(&self) -> Dataset {
         Dataset::open(&self.path("run.mcap")).unwrap()
-    }
-}
-
-struct Ending<'o>(&'o AtomicBool);
-
-impl Drop for Ending<'_> {
-    fn drop(&mut self) {
-        self.0.store(true, Ordering::Relaxed);
     }
 }
 

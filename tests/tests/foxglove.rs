@@ -9,19 +9,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use socam_recording::Dataset;
-use socam_tests::{Ran, run, socam_host};
-
-fn path(folder: &tempfile::TempDir, name: &str) -> String {
-    folder.path().join(name).to_str().unwrap().to_owned()
-}
-
-fn record(device: &str, log: &str, more: &[&str]) -> Ran {
-    run(["record", "-o", log, "--device", device, "--json"].iter().chain(more))
-}
-
-fn document(ran: &Ran) -> Value {
-    serde_json::from_str(&ran.stdout).unwrap_or_else(|_| panic!("{ran:?}"))
-}
+use socam_tests::{Ending, path, record, socam_host};
 
 /// An address of loopback that is free now.
 fn free() -> String {
@@ -62,15 +50,6 @@ impl Drop for Publishing {
     }
 }
 
-/// Ends the sender when the test ends, also where it fails.
-struct Ending<'o>(&'o AtomicBool);
-
-impl Drop for Ending<'_> {
-    fn drop(&mut self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-}
-
 /// Hands on the number of a line at even times, until told to end or the other end is gone.
 fn send(is_over: &AtomicBool, step: Duration, mut line: impl FnMut(u32) -> std::io::Result<()>) {
     let begin = Instant::now();
@@ -107,7 +86,7 @@ fn a_running_recording_is_published_to_fast_and_slow_clients() {
         // The second and a half that the first one listened to before are published at once.
         std::thread::sleep(Duration::from_secs(1));
         let ran = record(&format!("foxglove:{address}?topics=/socam/sample"), &second, &["--duration", "3s"]);
-        let copy = document(&ran);
+        let copy = ran.document();
         assert_eq!((&copy["end"], &copy["damaged"]), (&"finished".into(), &0.into()), "{ran:?}");
         let (original, errors) = publishing.ended();
         assert_eq!((&original["end"], &original["lost"]), (&"finished".into(), &0.into()), "{errors}");
@@ -152,7 +131,7 @@ fn a_run_of_the_board_is_published() {
     let more = ["--profile", "multisine", "--duration", "6s", "--realtime"];
     let mut publishing = Publishing::start("sim", &first, &address, &more);
     let ran = record(&format!("foxglove:{address}?topics=/socam/sample"), &second, &["--duration", "2s"]);
-    assert_eq!(document(&ran)["end"], "finished", "{ran:?}");
+    assert_eq!(ran.document()["end"], "finished", "{ran:?}");
     let (original, errors) = publishing.ended();
     assert_eq!((&original["end"], &original["lost"]), (&"finished".into(), &0.into()), "{errors}");
     let [first, second] = [&first, &second].map(|log| Dataset::open(log).unwrap());
@@ -235,7 +214,7 @@ fn a_server_that_is_killed_leaves_the_samples_until_then() {
         // The only topic with numbers need not be named; that of events has none.
         let ran = record(&format!("foxglove:{address}?topics=/socam/sample"), &second, &[]);
         killed.join().unwrap();
-        let copy = document(&ran);
+        let copy = ran.document();
         assert_eq!((ran.code, &copy["end"]), (Some(1), &"link broken".into()), "{ran:?}");
         assert!(copy["samples"].as_u64().unwrap() > 900, "{ran:?}");
         assert!(

@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Stdio};
 
-use socam_tests::{run, socam_host};
+use socam_tests::{path, run, socam_host};
 
 /// Killed when the test ends.
 struct Running(Child);
@@ -25,10 +25,6 @@ fn wired(calibration: &str) -> (Running, String) {
     BufReader::new(board.0.stdout.take().unwrap()).read_line(&mut line).unwrap();
     let address = line.trim().strip_prefix("listening on ").unwrap_or_else(|| panic!("{line}"));
     (board, format!("tcp:{address}"))
-}
-
-fn path(folder: &tempfile::TempDir, name: &str) -> String {
-    folder.path().join(name).to_str().unwrap().to_owned()
 }
 
 /// The calibration of the default gearmotor with other encoders: counts per turn of the motor's and the output's.

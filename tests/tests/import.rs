@@ -11,7 +11,7 @@ use std::process::Command;
 
 use socam_recording::Dataset;
 use socam_tests::readers::{python, scripts};
-use socam_tests::{run, skip};
+use socam_tests::{path, run, skip};
 use tempfile::TempDir;
 
 /// Times and values of a recording's channels of these names.
@@ -19,10 +19,6 @@ fn columns(path: &Path, names: &[&str]) -> Vec<Vec<f64>> {
     let loaded = Dataset::open(path.to_str().unwrap()).unwrap().load(names).unwrap();
     let columns = loaded.columns.iter().map(|column| column.values().to_vec());
     std::iter::once(loaded.time_s.clone()).chain(columns).collect()
-}
-
-fn path(folder: &TempDir, name: &str) -> String {
-    folder.path().join(name).to_str().unwrap().to_owned()
 }
 
 /// Files with the same motion in rpm and mN m, written by the libraries of their formats.

@@ -10,11 +10,7 @@ use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use socam_tests::{Ran, run, socam_host};
-
-fn path(folder: &tempfile::TempDir, name: &str) -> String {
-    folder.path().join(name).to_str().unwrap().to_owned()
-}
+use socam_tests::{Ran, path, run, socam_host};
 
 fn record(device: &str, log: &str, more: &[&str]) -> Ran {
     let arguments = ["record", "-o", log, "--device", device, "--profile", "multisine"];
@@ -45,7 +41,7 @@ fn virtual_board(more: &[&str]) -> (Running, String) {
 
 fn info(log: &str) -> Value {
     let ran = run(["info", "--json", log]);
-    let document: Value = serde_json::from_str(&ran.stdout).unwrap_or_else(|_| panic!("{ran:?}"));
+    let document = ran.document();
     let recording = document["recordings"][0].clone();
     let is_lossy = !recording["cut"].is_null() || recording["lost_samples"] != 0;
     assert_eq!(ran.code, Some(if is_lossy { 3 } else { 0 }), "{ran:?}");

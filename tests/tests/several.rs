@@ -5,18 +5,8 @@ use std::net::{TcpListener, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use serde_json::Value;
 use socam_recording::Dataset;
-use socam_tests::run;
-
-/// Ends the senders when the test ends, also where it fails.
-struct Ending<'o>(&'o AtomicBool);
-
-impl Drop for Ending<'_> {
-    fn drop(&mut self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-}
+use socam_tests::{Ending, run};
 
 /// Sends rows at an interval, with the number of each and its time since `begin`, until told to end.
 fn send(begin: Instant, step: Duration, is_over: &AtomicBool, mut send: impl FnMut(u64, Duration) -> bool) {
@@ -62,7 +52,7 @@ fn rows_of_two_devices_are_put_together_on_the_hosts_clock() {
         run(["record", "-o", &log, "--device", &udp, "--device", &tcp, "--duration", "4s", "--json"])
     });
     assert!(matches!(ran.code, Some(0 | 3)), "{ran:?}");
-    let document: Value = serde_json::from_str(&ran.stdout).unwrap_or_else(|_| panic!("{ran:?}"));
+    let document = ran.document();
     let device = |name: &str| {
         let mut devices = document["devices"].as_array().unwrap().iter();
         devices.find(|device| device["name"] == name).unwrap_or_else(|| panic!("{document}")).clone()

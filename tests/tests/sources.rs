@@ -7,35 +7,11 @@ use std::process::Stdio;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use serde_json::Value;
 use serialport::{SerialPort, TTYPort};
 use socam_sources::simulators::{
     DynamixelSimulator, FeetechSimulator, Firmware, MoteusSimulator, Motor, OdriveSimulator,
 };
-use socam_tests::{Ran, run, socam_host};
-
-/// A name in a folder.
-fn path(folder: &tempfile::TempDir, name: &str) -> String {
-    folder.path().join(name).to_str().unwrap().to_owned()
-}
-
-fn record(device: &str, log: &str, more: &[&str]) -> Ran {
-    run(["record", "-o", log, "--device", device, "--json"].iter().chain(more))
-}
-
-/// What a recording says of itself, with its exit code.
-fn document(ran: &Ran) -> Value {
-    serde_json::from_str(&ran.stdout).unwrap_or_else(|_| panic!("{ran:?}"))
-}
-
-/// Ends the sender when the test ends, also where it fails.
-struct Ending<'o>(&'o AtomicBool);
-
-impl Drop for Ending<'_> {
-    fn drop(&mut self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-}
+use socam_tests::{Ending, path, record, run, socam_host};
 
 /// Sends a line every 2 ms by the clock, until told to end.
 fn send_evenly(is_over: &AtomicBool, mut send: impl FnMut(u64) -> std::io::Result<()>) {
@@ -83,7 +59,7 @@ fn lost_repeated_and_damaged_lines_are_counted_and_a_link_that_breaks_is_taken_u
         });
         record(&device, &log, &["--duration", "4s"])
     });
-    let document = document(&ran);
+    let document = ran.document();
     assert_eq!(ran.code, Some(3), "{ran:?}");
     assert_eq!(
         (&document["repeated"], &document["late"], &document["clock_jumps"]),
@@ -146,7 +122,7 @@ fn what_a_device_does_not_state_is_asked_once_and_kept() {
             text.replacen("unit = \"?\"", "unit = \"rpm\"", 1).replace("unit = \"?\"", "unit = \"V\"");
         std::fs::write(&file, complete).unwrap();
         let ran = record(&device, &log, &["--describe", &file, "--duration", "1s"]);
-        let document = document(&ran);
+        let document = ran.document();
         assert_eq!(document["end"], "finished", "{ran:?}");
         assert_eq!(document["samples"].as_u64().unwrap() + document["lost"].as_u64().unwrap(), 500);
         // A clock in another unit than the file says is noticed before anything is recorded.
@@ -267,7 +243,7 @@ fn drives_are_asked_at_a_rate_and_recorded() {
             });
             record(&device, &log, &["--duration", "1s", "--rate", "200"])
         });
-        let document = document(&ran);
+        let document = ran.document();
         assert_eq!(document["damaged"], 0, "{ran:?}");
         assert!((150..=201).contains(&document["samples"].as_u64().unwrap()), "{ran:?}");
         let data = socam_recording::Dataset::open(&log).unwrap().load(&["speed", "voltage"]).unwrap();
@@ -299,7 +275,7 @@ fn servos_of_one_bus_are_recorded_together_and_after_their_cable_was_pulled() {
             });
             record(&device, &log, &["--duration", "3s", "--rate", "200"])
         });
-        let document = document(&ran);
+        let document = ran.document();
         assert_eq!((ran.code, &document["end"]), (Some(3), &"finished".into()), "{ran:?}");
         // A question to three servos waits 70 ms for its answers.
         let [samples, lost] = ["samples", "lost"].map(|key| document[key].as_u64().unwrap());
@@ -352,7 +328,7 @@ fn a_can_bus_is_listened_to_and_recorded_by_its_dbc() {
         });
         record(&device, &log, &["--dbc", &dbc, "--duration", "3s"])
     });
-    let document = document(&ran);
+    let document = ran.document();
     assert_eq!((&document["end"], &document["damaged"]), (&"finished".into(), &0.into()), "{ran:?}");
     let drift = document["clock"]["drift_1"].as_f64().unwrap();
     assert!(drift.abs() < 0.05 && ran.stderr.contains("each frame of `Motor` gives a row"), "{ran:?}");

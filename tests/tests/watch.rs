@@ -2,15 +2,11 @@
 //! in the recording.
 
 use serde_json::Value;
-use socam_tests::run;
+use socam_tests::{path, run};
 
 /// Time at which the friction begins, s.
 const BEGINS_S: f64 = 14.0;
 const CHANGE: [&str; 4] = ["--hide", "coulomb_friction@load_bearing:torque=0.1", "--begin-at", "14s"];
-
-fn path(folder: &tempfile::TempDir, name: &str) -> String {
-    folder.path().join(name).to_str().unwrap().to_owned()
-}
 
 fn simulate(log: &str, duration: &str, more: &[&str]) {
     let arguments = ["simulate", "--profile", "multisine", "--duration", duration, "-o", log];

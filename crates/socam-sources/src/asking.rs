@@ -45,18 +45,20 @@ impl Asking {
         Self { within_ns: self.within_ns.saturating_add(more_ns), ..self }
     }
 
+    /// The time of the next call, where no question is due.
+    pub(crate) fn wait(&self, now_ns: i64) -> Option<i64> {
+        let due_ns = self.asked_ns.map_or(self.due_ns, |asked_ns| asked_ns.saturating_add(self.within_ns));
+        (now_ns < due_ns).then_some(due_ns)
+    }
+
     /// Appends the question if it is due; returns the time of the next call.
     pub(crate) fn poll(&mut self, now_ns: i64, question: &[u8], out: &mut Vec<u8>) -> i64 {
-        match self.asked_ns {
-            Some(asked_ns) if now_ns < asked_ns.saturating_add(self.within_ns) => {
-                return asked_ns.saturating_add(self.within_ns);
-            }
-            Some(asked_ns) => {
-                self.missing += 1;
-                self.doubtful_ns.get_or_insert(asked_ns);
-            }
-            None if now_ns < self.due_ns => return self.due_ns,
-            None => {}
+        if let Some(next_ns) = self.wait(now_ns) {
+            return next_ns;
+        }
+        if let Some(asked_ns) = self.asked_ns {
+            self.missing += 1;
+            self.doubtful_ns.get_or_insert(asked_ns);
         }
         out.extend_from_slice(question);
         self.asked_ns = Some(now_ns);
@@ -88,11 +90,6 @@ impl Asking {
         if self.draining_ns.is_some_and(is_draining) {
             self.due_ns = self.due_ns.max(arrival_ns.saturating_add(QUIET_NS));
         }
-    }
-
-    /// Whether the present question has waited too long for its answer.
-    pub(crate) fn is_overdue(&self, now_ns: i64) -> bool {
-        self.asked_ns.is_some_and(|asked_ns| now_ns >= asked_ns.saturating_add(self.within_ns))
     }
 
     pub(crate) fn awaits(&self) -> bool {

@@ -41,11 +41,7 @@ impl Description {
     /// # Errors
     /// One sentence with file, line and what was expected.
     pub fn open(path: &Path) -> Result<Self> {
-        let text = read_settings(path)?;
-        Self::parse(&text).map_err(|error| match error {
-            crate::SourceError::Description(error) => error.in_file(path).into(),
-            other => other,
-        })
+        Self::parse(&read_settings(path)?).map_err(|error| error.in_file(path))
     }
 
     /// Reads the text of a description.

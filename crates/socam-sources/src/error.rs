@@ -1,5 +1,7 @@
 //! Errors of sources.
 
+use std::path::Path;
+
 use socam_recording::SettingsError;
 
 /// Result of this crate.
@@ -20,4 +22,14 @@ pub enum SourceError {
         /// What it does not state, in words.
         unknown: String,
     },
+}
+
+impl SourceError {
+    /// Adds the path of the file in which a mistake is.
+    pub(crate) fn in_file(self, path: &Path) -> Self {
+        match self {
+            Self::Description(error) => error.in_file(path).into(),
+            other => other,
+        }
+    }
 }

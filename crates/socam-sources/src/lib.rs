@@ -39,6 +39,8 @@ pub mod foxglove;
 pub mod moteus;
 pub mod odrive;
 mod servos;
+#[cfg(any(feature = "can", feature = "foxglove"))]
+mod silence;
 pub mod simulators;
 pub mod text;
 mod timeline;

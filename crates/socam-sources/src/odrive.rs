@@ -136,11 +136,6 @@ impl Odrive {
         let [current, error] = [current, error].map(|answer| answer.one().unwrap_or(f64::NAN));
         Ok(vec![turns * TAU, turns_s * TAU, current, voltage, error])
     }
-
-    fn fault_text(&self, code: f64) -> String {
-        let names = self.generation.error_names(code as u64);
-        format!("the ODrive reports error {:#x}{names}", code as u64)
-    }
 }
 
 impl Drive for Odrive {
@@ -187,7 +182,7 @@ impl Drive for Odrive {
 
     fn standing(&self) -> Standing {
         if self.error != 0.0 {
-            return Standing::Fault(self.fault_text(self.error));
+            return Standing::Fault(self.generation.fault_text(self.error as u64));
         }
         match self.state {
             Some(IDLE) => Standing::Stopped,
@@ -241,7 +236,7 @@ impl Device for Odrive {
                     let error = if values[4].is_finite() { values[4] } else { self.error };
                     if error != self.error {
                         self.error = error;
-                        heard.push(Heard::Fault(self.fault_text(error)));
+                        heard.push(Heard::Fault(self.generation.fault_text(error as u64)));
                     }
                     heard.push(self.asking.answered(arrival_ns, values));
                 }

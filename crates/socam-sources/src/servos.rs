@@ -149,22 +149,22 @@ impl Servos {
             heard.push(Heard::Damaged("the servo refused the question"));
             return;
         }
-        let name = format!("{} {}", make.name, servo.id);
+        let name = || format!("the {} {}", make.name, status.id);
         if status.error != servo.error {
             servo.error = status.error;
             if status.error != 0 {
-                heard.push(Heard::Fault(format!("the {name} reports {}", (make.fault)(status.error))));
+                heard.push(Heard::Fault(format!("{} reports {}", name(), (make.fault)(status.error))));
             }
         }
         match &servo.facts {
             None if status.values.len() == usize::from(make.facts.1) => match (make.learn)(&status.values) {
                 Ok(facts) => {
-                    heard.push(Heard::Talk(format!("the {name} is {}", facts.words)));
+                    heard.push(Heard::Talk(format!("{} is {}", name(), facts.words)));
                     servo.facts = Some(facts);
                     self.unanswered = 0;
                     self.asking.answered(arrival_ns, Vec::new());
                 }
-                Err(problem) => self.problem = Some(format!("the {name} {problem}")),
+                Err(problem) => self.problem = Some(format!("{} {problem}", name())),
             },
             Some(facts) if !is_learning => match row(make, facts, status) {
                 Some(values) => {
@@ -252,7 +252,10 @@ impl Device for Servos {
         if let Some(problem) = self.problem.take() {
             return Err(SourceError::Foreign(problem));
         }
-        if self.asking.is_overdue(now_ns) {
+        if let Some(next_ns) = self.asking.wait(now_ns) {
+            return Ok(Some(next_ns));
+        }
+        if self.asking.awaits() {
             if let Some(servo) = self.servos.iter().find(|servo| servo.facts.is_none()) {
                 self.unanswered += 1;
                 if self.unanswered >= MOST_UNANSWERED {

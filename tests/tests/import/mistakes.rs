@@ -1,8 +1,6 @@
 //! Typical mistakes in a mapping, and the sentence that each of them gets.
 
-use socam_tests::run;
-
-use super::path;
+use socam_tests::{path, run};
 
 const GOOD: &str =
     "[[clocks]]\ntime = \"Zeit\"\nunit = \"ms\"\n\n[channels.speed]\nsignal = \"n_Motor\"\nunit = \"rpm\"\n";

@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use socam_tests::run;
+use socam_tests::{path, run};
 use tempfile::TempDir;
 
-use super::{columns, path};
+use super::columns;
 
 /// Ten seconds at 10 Hz, stamped by a clock; the speed counts the seconds of the day.
 fn by_the_clock(folder: &TempDir, name: &str, date: &str, from_s: f64) -> String {

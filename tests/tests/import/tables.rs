@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use socam_tests::run;
+use socam_tests::{path, run};
 
-use super::{columns, path};
+use super::columns;
 
 /// Expected content of a file: times, and values of `speed` in rad/s.
 struct Case {

@@ -4,13 +4,13 @@ use std::io::{Read, Write};
 use std::net::TcpListener;
 use std::path::Path;
 
-use socam_tests::run;
+use socam_tests::{path, run};
 use socam_wire::{
     BoardKind, Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, SCHEMA_VERSION, Start,
     Text, ToBoard, ToHost,
 };
 
-use super::{path, record};
+use super::record;
 
 /// A frame as every version of the firmware begins it: version and its complement.
 fn foreign_frame() -> Vec<u8> {

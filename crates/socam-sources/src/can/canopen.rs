@@ -8,25 +8,20 @@ mod discovery;
 mod messages;
 mod objects;
 
-use std::collections::BTreeSet;
-
 use socam_recording::Channel;
 
 use super::adapter::Adapter;
+use super::others::Others;
 use super::slcan::CanFrame;
 use crate::asking::Asking;
 use crate::device::{Chunk, Device, Heard, Numbering, Row};
 use crate::error::{Result, SourceError};
-use discovery::{Discovery, Pdo};
+use crate::silence::Silence;
+use discovery::{Discovery, Pdo, is_held};
 use messages::{
     Answer, Kind, LARGEST_NODE, STATUSWORD, kind, node_of, state_of_drive, state_of_node, sync, upload,
 };
 pub use objects::{Objects, SCHEMA};
-
-/// Longest time without a row, ns: an adapter answers also where its bus is dead.
-const SILENT_NS: i64 = 10_000_000_000;
-/// Most numbers of other nodes that are kept for a message.
-const MOST_OTHERS: usize = 16;
 
 /// A drive.
 #[derive(Debug)]
@@ -52,8 +47,9 @@ pub struct Canopen {
     drive: Option<&'static str>,
     state: Option<&'static str>,
     emergency: u16,
-    row_ns: Option<i64>,
-    others: BTreeSet<u32>,
+    /// Since the last row.
+    silence: Silence,
+    others: Others,
     /// Why it can no longer be used.
     failed: Option<SourceError>,
 }
@@ -87,8 +83,8 @@ impl Canopen {
             drive: None,
             state: None,
             emergency: 0,
-            row_ns: None,
-            others: BTreeSet::new(),
+            silence: Silence::default(),
+            others: Others::default(),
             failed: None,
         })
     }
@@ -99,8 +95,7 @@ impl Canopen {
     }
 
     fn configured(&mut self, pdos: Vec<Pdo>, heard: &mut Vec<Heard>) {
-        let is_held = |index: &usize| pdos.iter().any(|pdo| pdo.places.iter().any(|(held, _)| held == index));
-        self.asked = (0..self.objects.all.len()).filter(|index| !is_held(index)).collect();
+        self.asked = (0..self.objects.all.len()).filter(|index| !is_held(&pdos, *index)).collect();
         let names: Vec<String> = self.asked.iter().map(|index| self.objects.all[*index].name()).collect();
         let ids: Vec<String> = pdos.iter().map(|pdo| format!("{:X}", pdo.id)).collect();
         let by = |what: &str, all: &[String]| {
@@ -185,19 +180,17 @@ impl Canopen {
 
     fn pdo(&mut self, frame: &CanFrame, arrival_ns: i64, heard: &mut Vec<Heard>) {
         let Some(number) = self.pdos.iter().position(|pdo| pdo.id == frame.id) else {
-            if let Some(node) = node_of(frame.id).filter(|node| *node != u32::from(self.node))
-                && self.others.len() < MOST_OTHERS
-            {
-                self.others.insert(node);
+            if let Some(node) = node_of(frame.id).filter(|node| *node != u32::from(self.node)) {
+                self.others.heard(node);
             }
             return;
         };
-        let Pdo { length, places, .. } = self.pdos[number].clone();
-        if frame.bytes.len() != length {
+        if frame.bytes.len() != self.pdos[number].length {
             heard.push(Heard::Damaged("a PDO has another length than the drive's mapping"));
             return;
         }
-        for (index, begin) in places {
+        for held in 0..self.pdos[number].places.len() {
+            let (index, begin) = self.pdos[number].places[held];
             let width = self.objects.all[index].number.width();
             if let Some(bytes) = frame.bytes.get(begin..begin + width) {
                 self.value(index, bytes, heard);
@@ -207,7 +200,7 @@ impl Canopen {
         // The first PDO that holds any object gives the rows.
         if self.is_free() && number == 0 {
             let values = self.take_values();
-            self.row_ns = Some(arrival_ns);
+            self.silence.heard(arrival_ns);
             heard.push(Heard::Row(Row { device_s: None, number: None, arrival_ns, spread_ns: 0, values }));
         } else {
             self.row(arrival_ns, heard);
@@ -243,23 +236,23 @@ impl Canopen {
             && (!self.objects.is_synced || self.arrived.iter().all(|arrived| *arrived));
         if !self.is_free() && is_whole && self.asking.awaits() {
             let values = self.take_values();
-            self.row_ns = Some(arrival_ns);
+            self.silence.heard(arrival_ns);
             heard.push(self.asking.answered(arrival_ns, values));
         }
     }
 
-    fn silence(&self) -> SourceError {
-        let others: Vec<String> = self.others.iter().map(u32::to_string).collect();
+    fn silent(&self) -> SourceError {
         let why = match (self.state, self.pdos.is_empty()) {
             (Some(state), false) if state != "operational" => {
                 format!("it is {state} and sends no PDO: its master has to start it")
             }
             (_, false) => "its PDOs do not arrive: has its master started it, and do they wait for SYNC (`sync = true`)?".into(),
-            _ if others.is_empty() => "is the bus running?".into(),
-            _ => format!("frames of nodes {} arrive", others.join(", ")),
+            _ => self.others.names().map_or_else(
+                || "is the bus running?".into(),
+                |others| format!("frames of nodes {others} arrive"),
+            ),
         };
-        let problem =
-            format!("node {} has given no row for {} s: {why}", self.node, SILENT_NS / 1_000_000_000);
+        let problem = format!("node {} has given no row for {} s: {why}", self.node, Silence::MOST_S);
         SourceError::Foreign(problem)
     }
 }
@@ -289,31 +282,31 @@ impl Device for Canopen {
         }
         let flags_ns = self.adapter.poll(now_ns, out);
         if let Some(discovery) = &mut self.discovery {
-            self.row_ns = Some(now_ns);
+            self.silence.heard(now_ns);
             return Ok(Some(discovery.poll(now_ns, &self.objects, out)?.min(flags_ns)));
         }
-        if now_ns - *self.row_ns.get_or_insert(now_ns) > SILENT_NS {
-            return Err(self.silence());
+        if self.silence.is_too_long(now_ns) {
+            return Err(self.silent());
         }
         if self.is_free() {
             return Ok(Some(flags_ns));
         }
+        if let Some(next_ns) = self.asking.wait(now_ns) {
+            if std::mem::take(&mut self.is_next_due)
+                && let Some(index) = self.asked.get(self.answered)
+            {
+                out.extend(upload(self.node, self.objects.all[*index].place));
+            }
+            return Ok(Some(next_ns.min(flags_ns)));
+        }
         let first = self.asked.first().map(|index| upload(self.node, self.objects.all[*index].place));
         let question =
             [if self.objects.is_synced { sync() } else { Vec::new() }, first.unwrap_or_default()].concat();
-        let before = out.len();
-        let next_ns = self.asking.poll(now_ns, &question, out);
-        if out.len() > before {
-            (self.answered, self.is_next_due) = (0, false);
-            if self.objects.is_synced {
-                self.take_values();
-            }
-        } else if std::mem::take(&mut self.is_next_due)
-            && let Some(index) = self.asked.get(self.answered)
-        {
-            out.extend(upload(self.node, self.objects.all[*index].place));
+        (self.answered, self.is_next_due) = (0, false);
+        if self.objects.is_synced {
+            self.take_values();
         }
-        Ok(Some(next_ns.min(flags_ns)))
+        Ok(Some(self.asking.poll(now_ns, &question, out).min(flags_ns)))
     }
 
     /// What is sent between questions waits until the next one.

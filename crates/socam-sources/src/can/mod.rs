@@ -6,6 +6,7 @@ mod adapter;
 pub mod canopen;
 mod gateway;
 pub mod odrive;
+mod others;
 mod slcan;
 mod survey;
 
@@ -18,13 +19,11 @@ use socam_units::Conversion;
 use crate::aligner::{Aligner, Kind};
 use crate::device::{Chunk, Device, Heard, Numbering, Row};
 use crate::error::Result;
+use crate::silence::Silence;
 use adapter::Adapter;
 pub use gateway::{Gateway, Outgoing};
 pub use slcan::{Access, CanFrame, Stamp, opening};
 pub use survey::{Found, survey};
-
-/// Longest time without a frame, ns: an adapter answers also where its bus is dead.
-const SILENT_NS: i64 = 10_000_000_000;
 
 /// A kind of frames that is recorded.
 #[derive(Debug, Clone)]
@@ -43,8 +42,8 @@ pub struct CanBus {
     has_stamps: bool,
     adapter: Adapter,
     aligner: Aligner,
-    /// Arrival of the last frame that is recorded, or the first poll, ns.
-    frame_ns: Option<i64>,
+    /// Since the last frame that is recorded.
+    silence: Silence,
     /// Number of frames of kinds that were not there when the bus was surveyed.
     late: u64,
 }
@@ -61,7 +60,7 @@ impl CanBus {
             channels: found.channels,
             has_stamps: found.has_stamps,
             adapter: Adapter::opened(opening),
-            frame_ns: None,
+            silence: Silence::default(),
             late: 0,
         }
     }
@@ -88,7 +87,7 @@ impl CanBus {
                 }
                 continue;
             };
-            self.frame_ns = Some(arrival_ns);
+            self.silence.heard(arrival_ns);
             let all = self.signals.values(set, &frame.bytes);
             let taken = self.recorded[kind].signals.iter();
             let values: Vec<f64> = taken
@@ -128,10 +127,10 @@ impl Device for CanBus {
     }
 
     fn poll(&mut self, now_ns: i64, out: &mut Vec<u8>) -> Result<Option<i64>> {
-        if now_ns - *self.frame_ns.get_or_insert(now_ns) > SILENT_NS {
+        if self.silence.is_too_long(now_ns) {
             let problem = format!(
                 "no frame of the DBC has arrived for {} s: is the bus running, and is it terminated?",
-                SILENT_NS / 1_000_000_000
+                Silence::MOST_S
             );
             return Err(crate::SourceError::Foreign(problem));
         }

@@ -7,13 +7,13 @@ mod message;
 mod obeying;
 mod trial;
 
-use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use socam_recording::Channel;
 use socam_units::Unit;
 
 use super::adapter::Adapter;
+use super::others::Others;
 use super::slcan::CanFrame;
 use crate::ZERO_CELSIUS_K;
 use crate::asking::Asking;
@@ -21,6 +21,7 @@ use crate::device::{Chunk, Device, Heard, Numbering};
 use crate::drive::{Drive, Limits, Order};
 use crate::error::{Result, SourceError};
 use crate::odrive::Generation;
+use crate::silence::Silence;
 use message::{LARGEST_NODE, Message, To, node_and_number, read};
 use trial::Trial;
 
@@ -29,10 +30,6 @@ const TEMPERATURES_EVERY: u64 = 20;
 /// Time for an answer about the firmware, which only 0.6 gives, and how often it is asked for.
 const VERSION_NS: i64 = 50_000_000;
 const VERSION_ASKED: u8 = 3;
-/// Longest time without a row, ns: an adapter answers also where its bus is dead.
-const SILENT_NS: i64 = 10_000_000_000;
-/// Most numbers of other nodes that are kept for a message.
-const MOST_OTHERS: usize = 16;
 
 /// An ODrive that is asked. As a [`Drive`] it obeys orders.
 #[derive(Debug)]
@@ -54,11 +51,10 @@ pub struct OdriveCan {
     is_begun: bool,
     limits: Option<Limits>,
     trial: Trial,
-    /// Arrival of the last row, or the first poll, and whether a frame of the node has arrived since.
-    row_ns: Option<i64>,
+    /// Since the last row, and whether a frame of the node has arrived since then.
+    silence: Silence,
     is_heard: bool,
-    /// Other nodes that were heard.
-    others: BTreeSet<u32>,
+    others: Others,
     now_ns: i64,
 }
 
@@ -117,9 +113,9 @@ impl OdriveCan {
             is_begun: false,
             limits: None,
             trial: Trial::Waiting,
-            row_ns: None,
+            silence: Silence::default(),
             is_heard: false,
-            others: BTreeSet::new(),
+            others: Others::default(),
             now_ns: 0,
         })
     }
@@ -131,8 +127,8 @@ impl OdriveCan {
     fn frame(&mut self, frame: &CanFrame, arrival_ns: i64, heard: &mut Vec<Heard>) {
         let (node, number) = node_and_number(frame.id);
         if frame.is_extended || node != u32::from(self.to.0) {
-            if self.others.len() < MOST_OTHERS && !frame.is_extended {
-                self.others.insert(node);
+            if !frame.is_extended {
+                self.others.heard(node);
             }
             return;
         }
@@ -200,7 +196,8 @@ impl OdriveCan {
             kelvin(motor),
             error,
         ];
-        (self.row_ns, self.is_heard) = (Some(arrival_ns), false);
+        self.silence.heard(arrival_ns);
+        self.is_heard = false;
         heard.push(self.asking.answered(arrival_ns, values));
     }
 
@@ -218,12 +215,8 @@ impl OdriveCan {
             self.trial.heartbeat(arrival_ns, error, generation);
         }
         if error != before && error != 0 && !is_expected {
-            heard.push(Heard::Fault(self.fault_text(error)));
+            heard.push(Heard::Fault(generation.fault_text(error)));
         }
-    }
-
-    fn fault_text(&self, error: u64) -> String {
-        format!("the ODrive reports error {error:#x}{}", self.generation().error_names(error))
     }
 
     /// Asks for the firmware, until it is known or has not answered.
@@ -242,24 +235,18 @@ impl OdriveCan {
         Some(now_ns.saturating_add(VERSION_NS))
     }
 
-    fn silence(&self) -> SourceError {
-        let (node, waited_s) = (self.to.0, SILENT_NS / 1_000_000_000);
+    fn silent(&self) -> SourceError {
+        let (node, waited_s) = (self.to.0, Silence::MOST_S);
         if self.is_heard {
             let problem = format!(
                 "node {node} sends frames, and has not answered whole for {waited_s} s: is it an ODrive, and may questions (RTR) pass?"
             );
             return SourceError::Foreign(problem);
         }
-        let others: Vec<String> = self.others.iter().map(u32::to_string).collect();
-        let heard = if others.is_empty() {
-            "no frame of any node arrives: is the bus running, is the bit rate right, and is it terminated?"
-                .to_owned()
-        } else {
-            format!(
-                "frames like those of nodes {} arrive: is its `config.can.node_id` another?",
-                others.join(", ")
-            )
-        };
+        let heard = self.others.names().map_or_else(
+            || "no frame of any node arrives: is the bus running, is the bit rate right, and is it terminated?".into(),
+            |others| format!("frames like those of nodes {others} arrive: is its `config.can.node_id` another?"),
+        );
         let problem = format!("node {node} has said nothing for {waited_s} s; {heard}");
         SourceError::Foreign(problem)
     }
@@ -289,8 +276,8 @@ impl Device for OdriveCan {
 
     fn poll(&mut self, now_ns: i64, out: &mut Vec<u8>) -> Result<Option<i64>> {
         self.now_ns = now_ns;
-        if now_ns - *self.row_ns.get_or_insert(now_ns) > SILENT_NS {
-            return Err(self.silence());
+        if self.silence.is_too_long(now_ns) {
+            return Err(self.silent());
         }
         let flags_ns = self.adapter.poll(now_ns, out);
         if let Some(due_ns) = self.ask_version(now_ns, out) {
@@ -302,16 +289,15 @@ impl Device for OdriveCan {
         if matches!(self.trial, Trial::Silent { .. }) && self.order == Order::Prepare {
             return Ok(Some(now_ns + VERSION_NS));
         }
-        let question = self.bytes(self.order);
-        let before = out.len();
-        let next_ns = self.asking.poll(now_ns, &question, out);
-        if out.len() > before {
-            let Sample { temperatures, error, .. } = self.sample;
-            self.sample = Sample { temperatures, error, ..Sample::default() };
-            self.questions += 1;
-            self.is_begun |= matches!(self.order, Order::Speed(_));
+        if let Some(next_ns) = self.asking.wait(now_ns) {
+            return Ok(Some(next_ns));
         }
-        Ok(Some(next_ns))
+        let question = self.bytes(self.order);
+        let Sample { temperatures, error, .. } = self.sample;
+        self.sample = Sample { temperatures, error, ..Sample::default() };
+        self.questions += 1;
+        self.is_begun |= matches!(self.order, Order::Speed(_));
+        Ok(Some(self.asking.poll(now_ns, &question, out)))
     }
 
     /// What is sent between questions waits until the next one.

@@ -12,10 +12,9 @@ use crate::aligner::{Aligner, Kind};
 use crate::description::Description;
 use crate::device::{Chunk, Device, Heard, Numbering, Row};
 use crate::error::{Result, SourceError};
+use crate::silence::Silence;
 use crate::text::Unwrap;
 
-/// Longest time without a message that gives a row, ns: the server itself may talk on.
-const SILENT_NS: i64 = 10_000_000_000;
 /// Interval at which it is looked whether there are messages, ns.
 const LOOK_NS: i64 = 1_000_000_000;
 
@@ -34,8 +33,8 @@ pub struct Topics {
     /// The first time, to which all others are relative, so that no digits are lost.
     origin_ns: Option<i64>,
     early: Vec<Message>,
-    /// Arrival of the last message that gives a row, ns.
-    row_ns: Option<i64>,
+    /// Since the last message that gives a row.
+    silence: Silence,
 }
 
 /// Channels that a topic holds.
@@ -86,7 +85,7 @@ impl Topics {
             aligner,
             origin_ns: None,
             early: messages,
-            row_ns: None,
+            silence: Silence::default(),
         }
     }
 
@@ -103,17 +102,13 @@ impl Topics {
             let MessageNumber::Value(value) = value else { continue };
             if let Some(place) = columns.by_path.get(path) {
                 let index = columns.places[*place];
-                let channel = &self.description.channels[index];
-                if channel.missing != Some(*value) {
-                    let whole = channel.wrap.map_or(*value, |wrap| self.unwraps[index].take(*value, wrap));
-                    values[*place] = channel.factor * whole + channel.offset;
-                }
+                values[*place] = self.unwraps[index].si(&self.description.channels[index], *value);
             } else if columns.number.as_deref() == Some(path) {
                 number = (*value >= 0.0).then_some(*value as u64);
             }
         }
         if kind == 0 {
-            self.row_ns = Some(message.arrival_ns);
+            self.silence.heard(message.arrival_ns);
         }
         let time_s = time_ns.saturating_sub(*self.origin_ns.get_or_insert(time_ns)) as f64 * 1e-9;
         let row = |time_s, number, arrival_ns, spread_ns, values| {
@@ -194,10 +189,10 @@ impl Device for Topics {
     }
 
     fn poll(&mut self, now_ns: i64, out: &mut Vec<u8>) -> Result<Option<i64>> {
-        if now_ns - *self.row_ns.get_or_insert(now_ns) > SILENT_NS {
+        if self.silence.is_too_long(now_ns) {
             let problem = format!(
                 "the topic that gives the rows has had no message for {} s: is it still published?",
-                SILENT_NS / 1_000_000_000
+                Silence::MOST_S
             );
             return Err(SourceError::Foreign(problem));
         }
@@ -207,6 +202,6 @@ impl Device for Topics {
 
     fn interrupted(&mut self, _heard: &mut Vec<Heard>) {
         self.connection.restart();
-        self.row_ns = None;
+        self.silence = Silence::default();
     }
 }

@@ -9,16 +9,12 @@ use super::LOG_TIME;
 use super::connection::{Connection, Message};
 use crate::description::Description;
 use crate::error::{Result, SourceError};
-use crate::text::{Form, Found, Role, Signal, conclude};
+use crate::text::{CLOCK_RATIO, Form, Found, Role, SHORTEST_S, Signal, conclude};
 
 /// Paths of the times that messages themselves state, as ROS and the schemas of Foxglove name them.
 const STAMPS: [&str; 3] = ["header.stamp", "stamp", "timestamp"];
-/// Speed of a stated time against this computer's clock that is believed.
-const CLOCK_RATIO: std::ops::Range<f64> = 0.7..1.4;
 /// Most signals that are recorded.
 const MOST_SIGNALS: usize = 300;
-/// Shortest time over which clocks are compared, s.
-const SHORTEST_S: f64 = 0.3;
 
 /// Messages that were heard before anything is recorded; they become its beginning.
 pub struct Survey {

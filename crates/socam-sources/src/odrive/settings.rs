@@ -64,12 +64,13 @@ impl Generation {
         if self == Self::Early { "error" } else { "active_errors" }
     }
 
-    /// What an error means, in words that follow its number.
-    pub(crate) fn error_names(self, code: u64) -> String {
+    /// The sentence that says what an error means.
+    pub(crate) fn fault_text(self, code: u64) -> String {
         let known = if self == Self::Early { &EARLY_ERRORS[..] } else { &LATE_ERRORS[..] };
         let names: Vec<&str> =
             known.iter().filter(|(bit, _)| code & bit != 0).map(|(_, name)| *name).collect();
-        if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) }
+        let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
+        format!("the ODrive reports error {code:#x}{names}")
     }
 
     /// Names of the settings of [`Settings::wanted`], in its order.

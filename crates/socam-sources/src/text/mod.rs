@@ -5,7 +5,7 @@ mod frames;
 pub(crate) mod lines;
 mod probe;
 mod signal;
-pub(crate) mod unwrap;
+mod unwrap;
 mod value;
 mod write;
 
@@ -27,7 +27,7 @@ use lines::Lines;
 pub(crate) use probe::conclude;
 pub use probe::{Found, probe};
 #[cfg(feature = "foxglove")]
-pub(crate) use signal::{Role, Signal};
+pub(crate) use signal::{CLOCK_RATIO, Role, SHORTEST_S, Signal};
 pub(crate) use unwrap::Unwrap;
 use value::Value;
 
@@ -195,11 +195,7 @@ impl TextDevice {
         for ((channel, value), unwrap) in
             self.description.channels.iter().zip(channels).zip(&mut self.unwraps)
         {
-            let number = number(value).filter(|number| channel.missing != Some(*number));
-            row.push(number.map_or(f64::NAN, |number| {
-                channel.factor * channel.wrap.map_or(number, |wrap| unwrap.take(number, wrap))
-                    + channel.offset
-            }));
+            row.push(number(value).map_or(f64::NAN, |number| unwrap.si(channel, number)));
         }
         Ok(Row { device_s, number: counted, arrival_ns: at.at_ns, spread_ns: at.spread_ns, values: row })
     }

@@ -5,10 +5,11 @@ use socam_units::{Column, plain_name};
 /// Fewest lines from which anything is concluded.
 pub(super) const FEWEST: usize = 3;
 /// Shortest time over which a clock is compared with the host's, s.
-const SHORTEST_S: f64 = 0.3;
-/// Units of clocks, and how far their speed may be from the host's to be recognised.
+pub(crate) const SHORTEST_S: f64 = 0.3;
+/// Speed of a clock against the host's at which it is recognised.
+pub(crate) const CLOCK_RATIO: std::ops::Range<f64> = 0.7..1.4;
+/// Units of clocks.
 pub(super) const CLOCK_UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
-const CLOCK_RATIO: std::ops::Range<f64> = 0.7..1.4;
 /// Names of signals that number rows.
 const NUMBERS: [&str; 10] = ["n", "i", "k", "seq", "sequence", "count", "index", "sample", "frame", "packet"];
 

@@ -22,6 +22,11 @@ pub(super) struct Pdo {
     pub(super) places: Vec<(usize, usize)>,
 }
 
+/// Whether a PDO holds an object of the list.
+pub(super) fn is_held(pdos: &[Pdo], object: usize) -> bool {
+    pdos.iter().any(|pdo| pdo.places.iter().any(|(held, _)| *held == object))
+}
+
 /// What is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Step {
@@ -163,9 +168,7 @@ impl Discovery {
 
     /// The next object from a number that no PDO holds.
     fn next_object(&mut self, from: usize, objects: &Objects) {
-        let is_held =
-            |index: &usize| self.pdos.iter().any(|pdo| pdo.places.iter().any(|(held, _)| held == index));
-        let next = (from..objects.all.len()).find(|index| !is_held(index));
+        let next = (from..objects.all.len()).find(|index| !is_held(&self.pdos, *index));
         self.step = next.map_or(Step::Done, Step::Object);
     }
 

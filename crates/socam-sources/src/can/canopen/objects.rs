@@ -6,7 +6,7 @@ use socam_import::ChannelMap;
 use socam_recording::{Channel, Fields, SettingsError, read_settings};
 
 use crate::error::Result;
-use crate::text::{Number, unwrap::Unwrap};
+use crate::text::{Number, Unwrap};
 
 /// Schema of the file.
 pub const SCHEMA: &str = "socam.canopen/1";
@@ -39,11 +39,7 @@ impl Objects {
     /// # Errors
     /// One sentence with file, line and what was expected.
     pub fn open(path: &Path) -> Result<Self> {
-        let text = read_settings(path)?;
-        Self::parse(&text).map_err(|error| match error {
-            crate::SourceError::Description(error) => error.in_file(path).into(),
-            other => other,
-        })
+        Self::parse(&read_settings(path)?).map_err(|error| error.in_file(path))
     }
 
     /// Reads the text of a file.
@@ -120,11 +116,7 @@ impl Object {
         if !raw.is_finite() {
             return Err("a number of a drive is not finite");
         }
-        if self.map.missing == Some(raw) {
-            return Ok(f64::NAN);
-        }
-        let whole = self.map.wrap.map_or(raw, |wrap| self.unwrap.take(raw, wrap));
-        Ok(self.map.factor * whole + self.map.offset)
+        Ok(self.unwrap.si(&self.map, raw))
     }
 
     /// The number of its bytes as it stands.

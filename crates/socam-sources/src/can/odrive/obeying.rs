@@ -63,7 +63,7 @@ impl Drive for OdriveCan {
         let is_expiry = error == self.generation().watchdog() && self.trial.expects_expiry();
         match state {
             _ if self.now_ns.saturating_sub(arrival_ns) > HEARTBEAT_NS => silent(),
-            _ if error != 0 && !is_expiry => Standing::Fault(self.fault_text(error)),
+            _ if error != 0 && !is_expiry => Standing::Fault(self.generation().fault_text(error)),
             IDLE => Standing::Stopped,
             CLOSED_LOOP => Standing::Obeying,
             state => Standing::Other(format!("in state {state}")),

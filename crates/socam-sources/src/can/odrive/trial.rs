@@ -48,8 +48,8 @@ impl Trial {
             }
             Self::Silent { .. } if error != 0 && error != generation.watchdog() => {
                 *self = Self::Failed(format!(
-                    "the ODrive reports error {error:#x}{}; clear it first, nothing was commanded",
-                    generation.error_names(error)
+                    "{}; clear it first, nothing was commanded",
+                    generation.fault_text(error)
                 ));
             }
             _ => {}
