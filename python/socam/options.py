@@ -155,7 +155,7 @@ class CompareOptions(TypedDict, total=False):
         False alarm rate, 0 to 1: share of right simulations of which a difference is reported [default: 0.01].
     model
         Model file (`template model` prints one to start from), or an embedded model: speed-o-cam, two-mass, emps, emps-
-        loop.
+        loop, gearmotor.
     """
 
     names: str | Iterable[str] | Mapping[str, float | str] | None
