@@ -3,9 +3,9 @@
 use serde::Serialize;
 use socam_core::scaling::{RAD_S_PER_RPM, Sensor};
 use socam_model::Prior;
-use socam_recording::{Channel, MeasuredMotor, MeasuredSensor, MotorStd, Unit};
+use socam_recording::{Channel, MotorStd, Unit};
 
-use crate::{CalibrateError, Line, Measured, Pairs};
+use crate::{CalibrateError, Line, Measured, MeasuredMotor, MeasuredSensor, Pairs};
 
 /// 95 % of a normal distribution.
 const NORMAL: f64 = 1.96;

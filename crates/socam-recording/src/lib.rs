@@ -26,7 +26,6 @@
 //! ```
 
 mod beside;
-mod calibration_edit;
 mod calibration_file;
 mod cell;
 mod channel;
@@ -40,11 +39,9 @@ mod dataset;
 mod disk;
 mod error;
 mod files;
-mod first_run;
 mod format;
 mod legacy;
 mod line_problem;
-mod linear;
 mod log;
 mod output_file;
 mod part;
@@ -60,7 +57,6 @@ mod table;
 mod warning;
 
 pub use beside::temporary_beside;
-pub use calibration_edit::{MeasuredMotor, MeasuredSensor, edit_calibration};
 pub use calibration_file::{CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains, Winding};
 pub use channel::Channel;
 pub use checksum::{sha256, sha256_of_file};
@@ -71,7 +67,6 @@ pub use error::{RecordingError, Result};
 #[cfg(target_arch = "wasm32")]
 pub use files::hand_over;
 pub use files::{read_regular, read_text};
-pub use first_run::{FirstRun, FirstRunError, Measured, Told};
 pub use format::{Format, detect};
 pub use legacy::LegacyLog;
 pub use line_problem::LineProblem;

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use serde::Serialize;
 use socam_calibrate::tasks::{self, Assumed, Found, Task};
-use socam_calibrate::{Estimate, Pairs, steady};
-use socam_recording::{Calibration, Dataset, Selection, edit_calibration};
+use socam_calibrate::{Estimate, Pairs, edit_calibration, steady};
+use socam_recording::{Calibration, Dataset, Selection};
 use socam_report::calibration::{self, Titled};
 
 use super::Outcome;

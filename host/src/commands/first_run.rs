@@ -5,9 +5,10 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use socam_calibrate::first_run::{FirstRun, Told, Uncertain};
 use socam_core::Sample;
-use socam_job::VirtualBench;
-use socam_recording::{Calibration, FirstRun, Measured, ProfileFile, Told};
+use socam_job::{VirtualBench, options};
+use socam_recording::{Calibration, ProfileFile};
 use socam_wire::{BoardKind, SampleBatch};
 
 use super::Outcome;
@@ -126,14 +127,7 @@ fn calibration(text: &str) -> anyhow::Result<Calibration> {
 }
 
 fn virtual_gearmotor() -> anyhow::Result<socam_sim::Setup> {
-    let bench = VirtualBench {
-        model: "gearmotor".to_owned(),
-        values: Vec::new(),
-        hide: Vec::new(),
-        begin_at_s: None,
-        seed: 1,
-        noise: true,
-    };
+    let bench = VirtualBench { model: "gearmotor".to_owned(), ..options::defaults()? };
     Ok(bench.setup(&bench.load()?, None)?)
 }
 
@@ -206,7 +200,7 @@ fn words(found: &FirstRun, before: &Calibration, path: &Path) -> String {
     if let Some(ratio) = found.ratio {
         line("gear", format!("{ratio:.3} turns of the motor for one of the output"));
     }
-    let number = |measured: &Measured, factor: f64, unit: &str| {
+    let number = |measured: &Uncertain, factor: f64, unit: &str| {
         format!("{:.4} +- {:.4} {unit}", measured.value * factor, 1.96 * measured.std * factor)
     };
     line("resistance", number(&found.resistance_ohm, 1.0, "ohm, with bridge and leads"));

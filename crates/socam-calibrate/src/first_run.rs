@@ -9,8 +9,8 @@ pub use error::FirstRunError;
 
 use socam_core::{Flags, GearmotorChannel, Sample, State};
 
-use crate::calibration_file::Calibration;
 use run::{Run, by_index, travel};
+use socam_recording::Calibration;
 use winding::{Winding, motor_line};
 
 /// Counts that an encoder must have passed to be there.
@@ -27,7 +27,7 @@ pub struct Told {
 
 /// A number and its standard uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measured {
+pub struct Uncertain {
     /// The number.
     pub value: f64,
     /// Its standard uncertainty.
@@ -48,13 +48,13 @@ pub struct FirstRun {
     /// Whether the motor's current is measured the wrong way round.
     pub current_is_reversed: bool,
     /// Resistance of winding, bridge and leads, ohm.
-    pub resistance_ohm: Measured,
+    pub resistance_ohm: Uncertain,
     /// Inductance, H.
-    pub inductance_h: Measured,
+    pub inductance_h: Uncertain,
     /// V s/rad.
-    pub back_emf_v_s: Measured,
+    pub back_emf_v_s: Uncertain,
     /// Reading of the motor's current without a current, A.
-    pub current_offset_a: Measured,
+    pub current_offset_a: Uncertain,
     /// Steady speed over voltage: rpm per V and rpm at 0 V.
     pub line: Option<[f64; 2]>,
 }

@@ -1,10 +1,10 @@
 //! Writes what a first run found into the text of a calibration; comments and order are kept.
 
 use socam_core::{BoardKind, GearmotorChannel};
+use socam_recording::{Calibration, SettingsError};
 
 use super::FirstRun;
-use crate::calibration_file::Calibration;
-use crate::settings::SettingsError;
+use crate::edit::set;
 
 impl FirstRun {
     /// The text of a calibration with what was found.
@@ -72,9 +72,4 @@ fn table<'d>(
     let item = document.entry(key).or_insert_with(|| toml_edit::Item::Table(toml_edit::Table::new()));
     let written = || SettingsError::new(format!("`{key}` must be written as a table, [{key}]"));
     item.as_table_mut().ok_or_else(written)
-}
-
-/// Replaces a value and drops its comment, which refers to the old value.
-fn set(table: &mut toml_edit::Table, key: &str, value: f64) {
-    table[key] = toml_edit::value(format!("{value:.6e}").parse().unwrap_or(value));
 }

@@ -2,8 +2,7 @@
 
 use socam_core::scaling::Sensor;
 
-use crate::calibration_file::{Calibration, MotorStd};
-use crate::settings::SettingsError;
+use socam_recording::{Calibration, MotorStd, SettingsError};
 
 /// A measured sensor of a channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +31,8 @@ pub struct MeasuredMotor {
 /// The text of a calibration with measured values in the units that it uses.
 ///
 /// ```
-/// use socam_recording::{Calibration, MeasuredMotor, MotorStd, edit_calibration};
+/// use socam_calibrate::{MeasuredMotor, edit_calibration};
+/// use socam_recording::{Calibration, MotorStd};
 ///
 /// let std = MotorStd { rpm_per_volt: 0.5, offset_rpm: 1.0 };
 /// let motor = MeasuredMotor { rpm_per_volt: 700.0, offset_rpm: -10.0, std };
@@ -88,7 +88,7 @@ pub fn edit_calibration(
 }
 
 /// Replaces a value and drops its comment, which refers to the old value.
-fn set(table: &mut toml_edit::Table, key: &str, value: f64) {
+pub(crate) fn set(table: &mut toml_edit::Table, key: &str, value: f64) {
     let digits = |value: f64| format!("{value:.7e}").parse().unwrap_or(value);
     table[key] = toml_edit::value(digits(value));
 }

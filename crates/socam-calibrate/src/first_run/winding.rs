@@ -1,18 +1,19 @@
 //! What a first run says about the motor's winding.
 
+use nalgebra::{DMatrix, DVector};
 use socam_core::scaling::RAD_S_PER_RPM;
 
 use super::run::Run;
-use super::{FirstRunError, Measured};
-use crate::linear::{Fitted, least_squares};
+use super::{FirstRunError, Uncertain};
+use crate::regression::{Regression, plain};
 
 /// The winding by voltage = resistance (current - offset) + inductance d(current)/dt + back-EMF speed.
 pub(super) struct Winding {
     pub(super) is_reversed: bool,
-    pub(super) resistance_ohm: Measured,
-    pub(super) inductance_h: Measured,
-    pub(super) back_emf_v_s: Measured,
-    pub(super) current_offset_a: Measured,
+    pub(super) resistance_ohm: Uncertain,
+    pub(super) inductance_h: Uncertain,
+    pub(super) back_emf_v_s: Uncertain,
+    pub(super) current_offset_a: Uncertain,
 }
 
 impl Winding {
@@ -23,18 +24,21 @@ impl Winding {
             let regressors = [run.amperes[row], slope(&run.amperes, row), slope(&run.motor, row) * rad, 1.0];
             (regressors, run.volts[row])
         });
-        let Some(Fitted { values: [ohm, henry, v_s, at_zero], std }) = least_squares(rows) else {
+        let Some(fitted) = least_squares(rows) else {
             return Err(FirstRunError::NoWinding { ohm: f64::NAN, v_s: f64::NAN });
         };
-        if !(v_s > 0.0 && ohm != 0.0 && std[0] < 0.5 * ohm.abs() && std[2] < 0.5 * v_s) {
+        let [resistance, inductance, back_emf, at_zero] =
+            std::array::from_fn(|i| Uncertain { value: fitted.coefficients[i], std: fitted.std(i) });
+        let (ohm, v_s) = (resistance.value, back_emf.value);
+        if !(v_s > 0.0 && ohm != 0.0 && resistance.std < 0.5 * ohm.abs() && back_emf.std < 0.5 * v_s) {
             return Err(FirstRunError::NoWinding { ohm, v_s });
         }
         Ok(Self {
             is_reversed: ohm < 0.0,
-            resistance_ohm: Measured { value: ohm.abs(), std: std[0] },
-            inductance_h: Measured { value: henry * ohm.signum(), std: std[1] },
-            back_emf_v_s: Measured { value: v_s, std: std[2] },
-            current_offset_a: Measured { value: -at_zero / ohm, std: std[3] / ohm.abs() },
+            resistance_ohm: Uncertain { value: ohm.abs(), ..resistance },
+            inductance_h: Uncertain { value: inductance.value * ohm.signum(), ..inductance },
+            back_emf_v_s: back_emf,
+            current_offset_a: Uncertain { value: -at_zero.value / ohm, std: at_zero.std / ohm.abs() },
         })
     }
 }
@@ -49,6 +53,14 @@ pub(super) fn motor_line(run: &Run, counts_per_turn: f64, period_s: f64) -> Opti
         // At standstill there is no line.
         (rpm * volts > 0.0 && rpm.abs() > 1.0).then_some(([volts.abs(), 1.0], rpm.abs()))
     });
-    let Fitted { values: [slope, offset], .. } = least_squares(points)?;
-    (slope > 0.0).then_some([slope, offset])
+    let line = least_squares(points)?.coefficients;
+    (line[0] > 0.0).then_some([line[0], line[1]])
+}
+
+fn least_squares<const N: usize>(rows: impl Iterator<Item = ([f64; N], f64)>) -> Option<Regression> {
+    let (regressors, values): (Vec<[f64; N]>, Vec<f64>) = rows.unzip();
+    plain(
+        &DMatrix::from_row_slice(regressors.len(), N, regressors.as_flattened()),
+        &DVector::from_vec(values),
+    )
 }

@@ -3,7 +3,7 @@
 use socam_core::{Flags, GearmotorChannel, Sample, encoder};
 
 use super::FirstRunError;
-use crate::calibration_file::Calibration;
+use socam_recording::Calibration;
 
 /// Turns between two passes of the index, at least, and by how much the stretches of a run may differ, relatively.
 const FEWEST_TURNS: usize = 4;

@@ -1,6 +1,6 @@
 //! What a first run cannot go on from.
 
-use crate::settings::SettingsError;
+use socam_recording::SettingsError;
 
 /// What a first run cannot go on from, in one sentence.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
