@@ -6,8 +6,6 @@
 // The linker's message is the use of flash and memory.
 #![warn(linker_messages)]
 
-#[path = "gearmotor/applied.rs"]
-mod applied;
 mod boot;
 #[path = "gearmotor/bridge.rs"]
 mod bridge;
@@ -16,6 +14,7 @@ mod clock;
 mod counters;
 #[path = "gearmotor/currents.rs"]
 mod currents;
+mod divider;
 mod drive;
 mod guard;
 #[path = "gearmotor/hardware.rs"]

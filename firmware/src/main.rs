@@ -9,6 +9,7 @@
 mod boot;
 mod bus;
 mod clock;
+mod divider;
 mod drive;
 mod guard;
 mod hardware;

@@ -60,6 +60,8 @@ pub(crate) struct Sampler {
     asks: Taker<'static, Ask>,
     answers: Filler<'static, Answer>,
     period_us: u32,
+    /// Two to the power of this is the number of conversions in a sampling interval.
+    log2_conversions: u32,
     /// Start of the current sampling interval, on the timer's lower half.
     interval_us: u32,
     /// Time of the next conversion.
@@ -74,7 +76,16 @@ pub(crate) fn start(
     answers: Filler<'static, Answer>,
 ) {
     let clocks = Clocks::now(now_us());
-    let mut sampler = Sampler { board, asks, answers, period_us: 0, interval_us: 0, next_us: 0, clocks };
+    let mut sampler = Sampler {
+        board,
+        asks,
+        answers,
+        period_us: 0,
+        log2_conversions: 0,
+        interval_us: 0,
+        next_us: 0,
+        clocks,
+    };
     sampler.keep_pace();
     critical_section::with(|cs| SAMPLER.borrow(cs).replace(Some(sampler)));
     pac::TIMER.inte().modify(|inte| inte.set_alarm(ALARM, true));
@@ -139,8 +150,8 @@ impl Sampler {
         if position == 0 {
             self.interval_us = self.interval_us.wrapping_add(self.period_us);
         }
-        let log2 = conversions_per_sample(self.period_us).trailing_zeros();
-        let passed_us = position.wrapping_add(1).wrapping_mul(self.period_us) >> log2;
+        let passed_us =
+            position.wrapping_add(1).wrapping_mul(self.period_us).wrapping_shr(self.log2_conversions);
         self.next_us = self.interval_us.wrapping_add(passed_us);
         pac::TIMER.alarm(ALARM).write_value(self.next_us.wrapping_sub(AWAITED_US));
     }
@@ -175,6 +186,7 @@ impl Sampler {
         let period_us = self.board.config().sample_period_us;
         if period_us != self.period_us {
             self.period_us = period_us;
+            self.log2_conversions = conversions_per_sample(period_us).trailing_zeros();
             self.begin();
         }
     }

@@ -55,6 +55,12 @@ impl LiveWatch {
         Ok(Self { batches: Some(batches), events, thread: Some(thread), is_patient, left_out: 0 })
     }
 
+    /// A watch whose thread has ended, with these events.
+    #[cfg(all(test, feature = "foxglove"))]
+    pub(crate) fn ending_with(events: Receiver<socam_recording::Event>) -> Self {
+        Self { batches: None, events, thread: None, is_patient: false, left_out: 0 }
+    }
+
     /// Hands samples to the monitor.
     pub(crate) fn take(&mut self, rows: &[SampleRow<'_>]) {
         let Some(batches) = &self.batches else { return };

@@ -44,6 +44,8 @@ mod frequency;
 mod gearmotor;
 #[cfg(feature = "full")]
 mod gearmotor_board;
+#[cfg(feature = "full")]
+mod gearmotor_rates;
 mod identify;
 mod import;
 #[cfg(feature = "full")]

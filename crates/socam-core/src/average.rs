@@ -6,6 +6,7 @@
 //! backwards samples all of them at the same mean instant.
 
 use crate::MAX_CHANNELS;
+use crate::triangle::{Interval, Triangle};
 
 /// Longest time between two conversions, also when sampling is slow.
 const LONGEST_STEP_US: u32 = 500;
@@ -19,85 +20,46 @@ pub fn conversions_per_sample(sample_period_us: u32) -> u32 {
     steps.max(if sample_period_us < FOUR_FROM_US { 2 } else { 4 })
 }
 
-/// The running sums of conversions.
+/// The running means of a converter's channels.
 #[derive(Debug, Clone, Copy)]
 pub struct Average {
-    /// Base-two logarithm of the conversions per interval.
-    log2: u32,
     channels: usize,
-    /// Conversions of the current interval.
-    taken: u32,
-    rising: [i64; MAX_CHANNELS],
-    falling: [i64; MAX_CHANNELS],
-    /// The contribution of the previous interval to the sample.
-    before: [i64; MAX_CHANNELS],
+    interval: Interval,
+    triangles: [Triangle; MAX_CHANNELS],
     mean: [i16; MAX_CHANNELS],
 }
 
 impl Average {
     /// An average of `channels` channels without conversions. The first sample lacks its earlier half.
     pub fn new(sample_period_us: u32, channels: u8) -> Self {
-        let none = [0; MAX_CHANNELS];
-        let log2 = conversions_per_sample(sample_period_us).trailing_zeros();
         Self {
-            log2,
             channels: usize::from(channels),
-            taken: 0,
-            rising: none,
-            falling: none,
-            before: none,
+            interval: Interval::new(conversions_per_sample(sample_period_us).trailing_zeros()),
+            triangles: [Triangle::default(); MAX_CHANNELS],
             mean: [0; MAX_CHANNELS],
         }
     }
 
     /// Number of the next conversion within its interval, from 0.
     pub fn position(&self) -> u32 {
-        self.taken
+        self.interval.position()
     }
 
     /// Adds a conversion; returns whether it completes a sample.
     pub fn push(&mut self, counts: &[i16; MAX_CHANNELS]) -> bool {
-        let per_interval = 1u32.wrapping_shl(self.log2);
-        self.taken = self.taken.wrapping_add(1);
-        let up = i32::try_from(self.taken).unwrap_or(0);
-        let down = i32::try_from(per_interval.wrapping_sub(self.taken)).unwrap_or(0);
-        for ((rising, falling), &count) in
-            self.rising.iter_mut().zip(&mut self.falling).zip(counts).take(self.channels)
-        {
-            // At most 2048 * 32768: an i32, which the board multiplies in one cycle.
-            *rising = rising.wrapping_add(i64::from(i32::from(count).wrapping_mul(up)));
-            *falling = falling.wrapping_add(i64::from(i32::from(count).wrapping_mul(down)));
+        for (triangle, &count) in self.triangles.iter_mut().zip(counts).take(self.channels) {
+            triangle.push(count.into());
         }
-        if self.taken < per_interval {
-            return false;
+        let Some(log2) = self.interval.step() else { return false };
+        for (triangle, mean) in self.triangles.iter_mut().zip(&mut self.mean).take(self.channels) {
+            *mean = triangle.complete(log2) as i16;
         }
-        self.complete();
         true
     }
 
     /// The latest sample.
     pub fn sample(&self) -> &[i16; MAX_CHANNELS] {
         &self.mean
-    }
-
-    /// The sum of all weights is the square of the conversions per interval.
-    fn complete(&mut self) {
-        let shift = self.log2.wrapping_mul(2);
-        let half = 1i64.wrapping_shl(shift) >> 1;
-        for (((mean, before), rising), falling) in self
-            .mean
-            .iter_mut()
-            .zip(&mut self.before)
-            .zip(&mut self.rising)
-            .zip(&mut self.falling)
-            .take(self.channels)
-        {
-            *mean = before.wrapping_add(*falling).wrapping_add(half).wrapping_shr(shift) as i16;
-            *before = *rising;
-            *rising = 0;
-            *falling = 0;
-        }
-        self.taken = 0;
     }
 }
 

@@ -3,6 +3,8 @@
 //! A counter alone knows a slow shaft's speed to one count per interval only. Two edges and their times give it exactly, however slow the
 //! shaft is; between two edges the position is continued at that speed, never beyond the next edge, because that has not come.
 
+use crate::triangle::{Interval, Triangle};
+
 /// Position: sixteenths of a count.
 pub const POSITION_BITS: u32 = 4;
 
@@ -11,6 +13,9 @@ pub const SPEED_BITS: u32 = 8;
 
 /// A shaft without an edge for so long stands still, in fractions of a second: 1/2.
 const STILL_AFTER: u32 = 2;
+
+/// Fastest clock of a counter: one count per second in ticks fits in 32 bits.
+const MOST_TICKS_PER_S: u32 = (1 << (32 - SPEED_BITS)) - 1;
 
 /// One reading of an encoder's counter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -32,8 +37,11 @@ pub struct Encoder {
     /// Speed at the last edge.
     speed: i32,
     is_started: bool,
+    interval: Interval,
     position_mean: Triangle,
     speed_mean: Triangle,
+    /// The latest sample.
+    sample: [i32; 2],
 }
 
 /// An edge: its position in counts from the first reading (the boundary that was crossed), and its time.
@@ -46,24 +54,27 @@ struct Edge {
 }
 
 impl Encoder {
-    /// An encoder whose counter's clock has this many ticks per second, without a reading. `log2_conversions`: two to this power is the
-    /// number of readings in a sampling interval.
+    /// An encoder whose counter's clock has this many ticks per second (at most 16 million), without a reading. `log2_conversions`: two to
+    /// this power is the number of readings in a sampling interval.
     pub fn new(ticks_per_s: u32, log2_conversions: u32) -> Self {
         Self {
-            ticks_per_s: ticks_per_s.max(1),
+            ticks_per_s: ticks_per_s.min(MOST_TICKS_PER_S).max(1),
             count: 0,
             edge: Edge::default(),
             speed: 0,
             is_started: false,
-            position_mean: Triangle::new(log2_conversions),
-            speed_mean: Triangle::new(log2_conversions),
+            interval: Interval::new(log2_conversions),
+            position_mean: Triangle::default(),
+            speed_mean: Triangle::default(),
+            sample: [0; 2],
         }
     }
 
     /// Starts sampling intervals of another length; the position is kept.
     pub fn restart(&mut self, log2_conversions: u32) {
-        self.position_mean = Triangle::new(log2_conversions);
-        self.speed_mean = Triangle::new(log2_conversions);
+        self.interval = Interval::new(log2_conversions);
+        (self.position_mean, self.speed_mean) = (Triangle::default(), Triangle::default());
+        self.sample = [0; 2];
     }
 
     /// Takes a reading; returns whether it completes a sample.
@@ -75,12 +86,15 @@ impl Encoder {
         }
         let (position, speed) = self.step(reading);
         self.position_mean.push(position);
-        self.speed_mean.push(i64::from(speed))
+        self.speed_mean.push(speed.into());
+        let Some(log2) = self.interval.step() else { return false };
+        self.sample = [self.position_mean.complete(log2), self.speed_mean.complete(log2)];
+        true
     }
 
     /// The latest sample: position in 1/16 of a count, which wraps, and speed in 1/256 of a count per second.
     pub fn sample(&self) -> [i32; 2] {
-        [self.position_mean.mean as i32, self.speed_mean.mean as i32]
+        self.sample
     }
 
     /// Position and speed at a reading.
@@ -94,26 +108,8 @@ impl Encoder {
             reading.age_ticks
         };
         self.count = reading.count;
-        let speed = self.speed_after(age_ticks);
-        ((self.edge.cell << POSITION_BITS).wrapping_add(self.within_cell(speed, age_ticks)), speed)
-    }
-
-    /// The position within the present cell, so long after its edge: from the edge at the speed of that time to the next edge. Where that
-    /// has not come in time, the shaft has slowed down, and the longer that is ago the less is known: towards the middle.
-    fn within_cell(&self, speed: i32, age_ticks: u32) -> i64 {
-        const WIDTH: i64 = 1 << POSITION_BITS;
-        let (speed, at_edge) = (i64::from(speed.unsigned_abs()), i64::from(self.speed.unsigned_abs()));
-        let passed = if speed < at_edge {
-            (WIDTH / 2).wrapping_add((speed.wrapping_mul(WIDTH / 2)).checked_div(at_edge).unwrap_or(0))
-        } else {
-            let counts = speed.wrapping_mul(age_ticks.into()).checked_div(self.ticks_per_s.into());
-            counts
-                .filter(|_| speed > 0)
-                .map_or(WIDTH / 2, |counts| counts >> SPEED_BITS.wrapping_sub(POSITION_BITS))
-        };
-        let passed = passed.min(WIDTH);
-        let from_low = if self.edge.position == self.edge.cell { passed } else { WIDTH.wrapping_sub(passed) };
-        from_low.min(WIDTH.wrapping_sub(1))
+        let (speed, within) = self.after_edge(age_ticks);
+        ((self.edge.cell << POSITION_BITS).wrapping_add(within), speed)
     }
 
     /// Counts the edges since the last reading, and takes the speed from the last edge before it to the newest one.
@@ -123,61 +119,70 @@ impl Encoder {
         // Forwards the lower end of the cell was crossed, backwards its upper end.
         let position = if passed > 0 { cell } else { cell.wrapping_add(1) };
         let ticks = at_ticks.wrapping_sub(self.edge.at_ticks);
-        let counts = position.wrapping_sub(self.edge.position);
-        if ticks > 0 && ticks < self.ticks_per_s / STILL_AFTER {
-            let speed =
-                (counts << SPEED_BITS).wrapping_mul(self.ticks_per_s.into()).checked_div(ticks.into());
-            self.speed = crate::fixed::saturate(speed.unwrap_or(0));
+        self.speed = if ticks < self.ticks_per_s / STILL_AFTER {
+            self.speed_over(position.wrapping_sub(self.edge.position), ticks)
         } else {
             // From rest: the direction is known, the speed is not.
-            self.speed = 0;
-        }
+            0
+        };
         self.edge = Edge { position, at_ticks, cell };
     }
 
-    /// The speed so long after an edge: no more than one count in that time, because the next edge has not come.
-    fn speed_after(&mut self, age_ticks: u32) -> i32 {
+    /// The speed of so many counts in so many ticks, rounded towards 0; 0 in no time.
+    ///
+    /// The quotient is taken in two steps of 32 bits, which the board's hardware divides. Only counts too many for that (with a clock of
+    /// 5 MHz at least 1700 between two readings) are divided in 64 bits, by software.
+    fn speed_over(&self, counts: i64, ticks: u32) -> i32 {
+        let one_count = self.one_count();
+        let Some(per_count) = one_count.checked_div(ticks) else { return 0 };
+        let rest = one_count.wrapping_sub(per_count.wrapping_mul(ticks));
+        let magnitude = counts.unsigned_abs();
+        let of_rest = u32::try_from(magnitude).ok().and_then(|counts| counts.checked_mul(rest));
+        let speed = match of_rest.and_then(|of_rest| of_rest.checked_div(ticks)) {
+            Some(more) => magnitude.wrapping_mul(per_count.into()).wrapping_add(more.into()),
+            None => magnitude.wrapping_mul(one_count.into()).checked_div(ticks.into()).unwrap_or(0),
+        };
+        let speed = speed.min(i32::MAX as u64) as i32;
+        if counts < 0 { speed.wrapping_neg() } else { speed }
+    }
+
+    /// Speed, and position within the present cell, so long after its edge. Until the next edge is due the shaft goes on at the speed of the
+    /// edge. Where that has not come in time, the shaft is slower than one count in the time since, and the longer that is ago the less is
+    /// known of its place: towards the middle.
+    fn after_edge(&mut self, age_ticks: u32) -> (i32, i64) {
+        const WIDTH: u32 = 1 << POSITION_BITS;
         if age_ticks >= self.ticks_per_s / STILL_AFTER {
             self.speed = 0;
             // Keeps the age from wrapping to a small one.
             self.edge.at_ticks =
                 self.edge.at_ticks.wrapping_add(age_ticks.wrapping_sub(self.ticks_per_s / STILL_AFTER));
         }
-        let one_count = (i64::from(self.ticks_per_s) << SPEED_BITS).checked_div(i64::from(age_ticks));
-        crate::fixed::within(self.speed, one_count.map_or(i32::MAX, crate::fixed::saturate))
+        let at_edge = self.speed.unsigned_abs();
+        let gone = u64::from(at_edge).wrapping_mul(age_ticks.into());
+        let (speed, passed) = if at_edge == 0 {
+            (0, WIDTH / 2)
+        } else if gone <= self.one_count().into() {
+            let per_step = self.ticks_per_s.wrapping_shl(SPEED_BITS.wrapping_sub(POSITION_BITS));
+            (self.speed, (gone as u32).checked_div(per_step).unwrap_or(0))
+        } else {
+            let slower = self.one_count().checked_div(age_ticks).unwrap_or(0);
+            // Eighths of the speed at the edge, in 32 bits.
+            let eighths = if at_edge >> 29 == 0 {
+                slower.wrapping_shl(3).checked_div(at_edge)
+            } else {
+                slower.checked_div(at_edge >> 3)
+            };
+            let slower = crate::fixed::within(self.speed, slower as i32);
+            (slower, (WIDTH / 2).wrapping_add(eighths.unwrap_or(0)))
+        };
+        let passed = passed.min(WIDTH);
+        let from_low = if self.edge.position == self.edge.cell { passed } else { WIDTH.wrapping_sub(passed) };
+        (speed, from_low.min(WIDTH.wrapping_sub(1)).into())
     }
-}
 
-/// The triangular mean of [`crate::Average`], for one wide quantity: all channels of a sample have the same weights.
-#[derive(Debug, Clone, Copy)]
-struct Triangle {
-    log2: u32,
-    taken: u32,
-    rising: i64,
-    falling: i64,
-    before: i64,
-    mean: i64,
-}
-
-impl Triangle {
-    const fn new(log2: u32) -> Self {
-        Self { log2, taken: 0, rising: 0, falling: 0, before: 0, mean: 0 }
-    }
-
-    fn push(&mut self, value: i64) -> bool {
-        let per_interval = 1u32.wrapping_shl(self.log2);
-        self.taken = self.taken.wrapping_add(1);
-        self.rising = self.rising.wrapping_add(value.wrapping_mul(i64::from(self.taken)));
-        let down = per_interval.wrapping_sub(self.taken);
-        self.falling = self.falling.wrapping_add(value.wrapping_mul(i64::from(down)));
-        if self.taken < per_interval {
-            return false;
-        }
-        let shift = self.log2.wrapping_mul(2);
-        let half = 1i64.wrapping_shl(shift) >> 1;
-        self.mean = self.before.wrapping_add(self.falling).wrapping_add(half).wrapping_shr(shift);
-        (self.before, self.rising, self.falling, self.taken) = (self.rising, 0, 0, 0);
-        true
+    /// A speed times the ticks that it takes for one count.
+    fn one_count(&self) -> u32 {
+        self.ticks_per_s.wrapping_shl(SPEED_BITS)
     }
 }
 

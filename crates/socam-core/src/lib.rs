@@ -33,6 +33,7 @@ extern crate std;
 mod atomic {
     pub(crate) use core::sync::atomic::{AtomicU32, Ordering};
 }
+mod applied;
 mod average;
 mod board;
 pub mod bridge;
@@ -59,8 +60,10 @@ mod schedule;
 mod sealed;
 mod state;
 mod status;
+mod triangle;
 mod velocity;
 
+pub use applied::Applied;
 pub use average::{Average, conversions_per_sample};
 pub use board::Board;
 pub use ceilings::Ceilings;

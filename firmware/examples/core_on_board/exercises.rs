@@ -1,9 +1,10 @@
 //! Exercises of the core, run on the board's processor and on the host to compare the results bit by bit.
 
+use socam_core::encoder::{self, EncoderReading};
 use socam_core::scaling::{self, Converter, MotorCalibration, Sensor};
 use socam_core::{
-    Average, Board, Command, Config, ConverterSilent, Generator, Layout, Lines, MAX_CHANNELS, Ports, Profile,
-    Request, Ring, Sample, Shape,
+    Applied, Average, Board, Command, Config, ConverterSilent, Generator, Layout, Lines, MAX_CHANNELS, Ports,
+    Profile, Request, Ring, Sample, Shape, bridge,
 };
 use socam_wire::{
     BoardKind, BoardLink, Decoder, EnableFeedback, Encoder, FrontEnd, Identity, Image, MAX_FRAME, Start,
@@ -15,6 +16,7 @@ pub(crate) fn run(mut tell: impl FnMut(&str, u64)) {
     tell("floating point", floating_point());
     tell("profiles", profiles());
     tell("averages", averages());
+    tell("gearmotor", gearmotor());
     tell("closed loop", board(Command::SpeedClosedLoop));
     tell("open loop", board(Command::SpeedOpenLoop));
     tell("messages", messages());
@@ -159,6 +161,28 @@ fn averages() -> u64 {
             if average.push(&core::array::from_fn(|_| counts.next())) {
                 average.sample().iter().for_each(|count| digest.integer(i64::from(*count)));
             }
+        }
+    }
+    digest.0
+}
+
+/// An encoder whose edges come at random, forth and back, rarely and often, and a bridge at random voltages: what the board divides in hardware.
+fn gearmotor() -> u64 {
+    let (mut digest, mut counts) = (Digest::new(), Counts(7));
+    let (mut encoder, mut applied) = (encoder::Encoder::new(5_000_000, 1), Applied::new(1));
+    let mut reading = EncoderReading::default();
+    for conversion in 0..4000 {
+        let passed = i32::from(counts.next()) >> (3 + conversion / 400);
+        reading.count = reading.count.wrapping_add(passed);
+        reading.now_ticks = reading.now_ticks.wrapping_add(500);
+        reading.age_ticks = u32::from(counts.next().unsigned_abs()) % 500;
+        let supply = i32::from(counts.next());
+        let duty = bridge::duty(i32::from(counts.next()).wrapping_mul(300), supply.wrapping_mul(604));
+        digest.integer(duty.into());
+        applied.push(bridge::applied(duty, supply));
+        if encoder.push(&reading) {
+            let [position, speed] = encoder.sample();
+            [position, speed, applied.sample()].into_iter().for_each(|value| digest.integer(value.into()));
         }
     }
     digest.0

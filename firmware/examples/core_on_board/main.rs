@@ -3,6 +3,8 @@
 #![no_std]
 #![no_main]
 
+#[path = "../../src/divider.rs"]
+mod divider;
 mod exercises;
 
 use core::fmt::Write;

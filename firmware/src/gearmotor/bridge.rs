@@ -57,11 +57,19 @@ impl Bridge {
 
     /// The mean duty from one time to another, which is after the latest change was asked for.
     pub(crate) fn mean(&self, since_us: u32, until_us: u32) -> i32 {
-        let passed_us = until_us.wrapping_sub(since_us) as i32;
+        let passed_us = until_us.wrapping_sub(since_us);
         let late_us = self.from_us.wrapping_sub(since_us) as i32;
-        let late_us = late_us.min(passed_us).max(0);
-        let late = (self.before - self.duty).wrapping_mul(late_us).checked_div(passed_us);
-        self.duty.wrapping_add(late.unwrap_or(0))
+        // Without a division where nothing changed, which is mostly so.
+        if late_us <= 0 {
+            return self.duty;
+        }
+        let late_us = late_us.unsigned_abs();
+        if late_us >= passed_us {
+            return self.before;
+        }
+        let change = self.before.wrapping_sub(self.duty);
+        let part = change.unsigned_abs().wrapping_mul(late_us).checked_div(passed_us).unwrap_or(0) as i32;
+        self.duty.wrapping_add(if change < 0 { part.wrapping_neg() } else { part })
     }
 }
 

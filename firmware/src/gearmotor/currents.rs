@@ -88,16 +88,22 @@ impl Currents {
         // The latest one may be on its way to memory.
         let first = done.wrapping_add(RING * INPUTS as u32 - WINDOW - 1);
         let mut sums = [0i16; INPUTS];
-        let mut input = first % INPUTS as u32;
-        for place in 0..WINDOW {
-            let entry = CONVERSIONS.0.get((first.wrapping_add(place) % RING) as usize);
-            if let (Some(sum), Some(entry)) = (sums.get_mut(input as usize), entry) {
+        let mut place = first;
+        for _ in 0..TURNS {
+            for sum in &mut sums {
+                let entry = CONVERSIONS.0.get((place % RING) as usize);
                 // At most 8 times 4095.
-                *sum = sum.wrapping_add(entry.load(Ordering::Relaxed) as i16);
+                *sum = sum.wrapping_add(entry.map_or(0, |entry| entry.load(Ordering::Relaxed)) as i16);
+                place = place.wrapping_add(1);
             }
-            input = if input + 1 == INPUTS as u32 { 0 } else { input + 1 };
         }
-        Ok(sums)
+        // The first sum is that of the input whose turn it was.
+        let [one, next, last] = sums;
+        Ok(match first % INPUTS as u32 {
+            0 => sums,
+            1 => [last, one, next],
+            _ => [next, last, one],
+        })
     }
 }
 

@@ -4,10 +4,10 @@ use embassy_rp::gpio::Input;
 use embassy_rp::pac;
 use socam_core::encoder::{Encoder, EncoderReading};
 use socam_core::{
-    Average, Ceilings, ConverterSilent, GearmotorChannel, MAX_CHANNELS, Ports, bridge, conversions_per_sample,
+    Applied, Average, Ceilings, ConverterSilent, GearmotorChannel, MAX_CHANNELS, Ports, bridge,
+    conversions_per_sample,
 };
 
-use crate::applied::Applied;
 use crate::bridge::Bridge;
 use crate::clock::{now_us, whole_us};
 use crate::counters::{Counters, TICKS_PER_S};
@@ -23,12 +23,12 @@ pub(crate) const COMMAND_FULL_SCALE_UV: u32 = 16_000_000;
 /// The supply's divider.
 const SUPPLY_DIVIDER: u32 = 6;
 
-/// Limits that this image never exceeds, for a motor of 12 V. Above 2 kHz two encoders leave the link too little time.
+/// Limits that this image never exceeds, for a motor of 12 V. 5 kHz is the fastest rate that leaves time for the link.
 const CEILINGS: Ceilings = Ceilings {
     output_uv: 16_000_000,
     speed_urad_s: 2_000_000_000,
     run_us: 3_600_000_000,
-    shortest_period_us: 500,
+    shortest_period_us: 200,
     longest_period_us: 10_000,
 };
 

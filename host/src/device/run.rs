@@ -54,21 +54,27 @@ impl Monitor for Terminal<'_> {
     }
 
     fn event(&mut self, event: &Event, _: Option<u32>) {
-        if let Some(serve) = &mut self.serve {
-            serve.event(event);
-        }
+        self.publish(event);
     }
 
     fn alarm(&mut self) -> Option<Event> {
         let event = self.watch.as_ref()?.event()?;
-        if let Some(serve) = &mut self.serve {
-            serve.event(&event);
-        }
+        self.publish(&event);
         Some(event)
     }
 
     fn last_alarms(&mut self) -> Vec<Event> {
-        self.watch.as_mut().map(LiveWatch::finish).unwrap_or_default()
+        let events = self.watch.as_mut().map(LiveWatch::finish).unwrap_or_default();
+        events.iter().for_each(|event| self.publish(event));
+        events
+    }
+}
+
+impl Terminal<'_> {
+    fn publish(&mut self, event: &Event) {
+        if let Some(serve) = &mut self.serve {
+            serve.event(event);
+        }
     }
 }
 
@@ -178,3 +184,6 @@ fn progress(duration_us: u64) -> ProgressBar {
     }
     bar
 }
+
+#[cfg(all(test, feature = "foxglove"))]
+mod tests;

@@ -44,7 +44,7 @@ impl Ports for Bench {
         let motor = (self.speed_urad_s / 4632.0) as i16;
         let healthy = [motor, (f64::from(motor) * 0.3497) as i16, 100, 200, 0, 0, 0, 0];
         for ((count, healthy), forced) in counts.iter_mut().zip(healthy).zip(self.forced) {
-            *count = forced.unwrap_or(healthy + self.ripple);
+            *count = forced.unwrap_or(healthy.saturating_add(self.ripple));
         }
         if self.converter_silent { Err(ConverterSilent) } else { Ok(()) }
     }
