@@ -319,7 +319,8 @@ fn suffer(sources: &mut [Source], duration_s: f64) -> Result<[f64; 2], String> {
             if round < rounds as usize && begin.elapsed().as_secs_f64() >= due_s {
                 done[number] += 1;
                 // Every recorder is killed once, and some in each round; the others show an hour in one recording.
-                let is_killed_often = source.kind.serves || number % 2 == 0 && source.kind.over != Over::Server;
+                let is_killed_often =
+                    source.kind.serves || number % 2 == 0 && source.kind.over != Over::Server;
                 if mishap != Mishap::RecorderKilled || round == 0 || is_killed_often {
                     source.befall(mishap);
                 }
