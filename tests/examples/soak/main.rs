@@ -19,6 +19,8 @@ mod link;
 #[cfg(unix)]
 mod run;
 #[cfg(unix)]
+mod source;
+#[cfg(unix)]
 mod talking;
 #[cfg(unix)]
 mod tally;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use socam_recording::Dataset;
 
-use crate::run::{Part, Source};
+use crate::source::{Part, Source};
 
 /// Most rows that may be under way to the recorder as a device is killed, at each time.
 const UNDER_WAY: u64 = 64;
@@ -100,15 +100,14 @@ impl Held {
 
 /// The table, and whether nothing in it is unexplained.
 pub(crate) fn table(sources: &[Source], minutes: f64, load: [f64; 2]) -> (String, bool) {
+    let processors = std::thread::available_parallelism().map_or(0, usize::from);
     let mut text = format!(
-        "{minutes} minutes, all at once, at a load of {:.1} to {:.1} on {} processors\n\
-         source       rows sent   recorded  lost by number  lost as stated  unexplained  over-  gaps  out of  cut/device/recorder  lacked at    memory first/last  clock within  arrival\n\
-         \x20                                                                              counted        order       killed         kill -9, s   recording, MiB              ms  within, ms\n",
-        load[0],
-        load[1],
-        std::thread::available_parallelism().map_or(0, usize::from)
+        "{minutes} minutes, all sources at once, load {:.1} to {:.1} on {processors} processors\n\n\
+         | source | per s | sent | recorded | missing | lost, as stated | unexplained | stated too many | cuts, devices and recorders killed | lacks after kill -9, s | memory, MiB | clock within, ms | arrival within, ms |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        load[0], load[1]
     );
-    let mut is_well = true;
+    let (mut is_well, mut notes) = (true, String::new());
     for source in sources {
         let mut held = Held::default();
         let mut problems = source.problems.clone();
@@ -122,36 +121,32 @@ pub(crate) fn table(sources: &[Source], minutes: f64, load: [f64; 2]) -> (String
             && held.unexplained <= allowed
             && held.disordered == 0
             && held.lacked_s <= MOST_LACKED_S;
-        let mebi = |part: Option<&Part>| {
-            part.map_or([0.0; 2], |part| part.memory_kib.map(|kib| kib as f64 / 1024.0))
-        };
-        let ([a, b], [c, d]) = (mebi(source.parts.first()), mebi(source.parts.last()));
+        let memory = source.parts.iter().map(|part| part.memory_kib.map(|kib| kib as f64 / 1024.0));
+        let grown = memory.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0]))).unwrap_or_default();
+        let name = source.kind.name;
         let _ = writeln!(
             text,
-            "{:<12} {sent:>9} {:>10} {:>15} {:>15} {:>12} {:>6} {:>5} {:>7} {:>20} {:>11.2} {a:>7.1}>{b:.1} {c:.1}>{d:.1} {:>10.3} {:>10.1}",
-            source.kind.name,
+            "| {name} | {} | {sent} | {} | {} | {} | {} | {} | {cuts}, {devices}, {recorders} | {:.2} | {:.1} to {:.1} | {:.3} | {:.1} |",
+            source.kind.rate_hz,
             held.rows,
             held.missing,
             held.lost,
             held.unexplained,
             held.overcounted,
-            held.gaps,
-            held.disordered,
-            format!("{cuts}/{devices}/{recorders}"),
             held.lacked_s,
+            grown[0],
+            grown[1],
             held.clock_s * 1e3,
             held.arrival_s * 1e3,
         );
-        if held.damaged + held.interruptions + held.blank > 0 {
-            let _ = writeln!(
-                text,
-                "             {} damaged messages, {} interruptions of the link, {} rows without a number",
-                held.damaged, held.interruptions, held.blank
-            );
-        }
-        for problem in problems {
-            let _ = writeln!(text, "             ! {problem}");
-        }
+        let _ = writeln!(
+            notes,
+            "{name}: {} gaps, {} damaged messages, {} interruptions of the link, {} rows without a number, {} out of order",
+            held.gaps, held.damaged, held.interruptions, held.blank, held.disordered
+        );
+        problems.iter().for_each(|problem| {
+            let _ = writeln!(notes, "! {problem}");
+        });
     }
-    (text, is_well)
+    (format!("{text}\n{notes}"), is_well)
 }
