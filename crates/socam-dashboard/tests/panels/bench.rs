@@ -2,7 +2,7 @@
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use socam_dashboard::{Dashboard, Layout, View};
 
 use crate::clicks::{click, copied, has, press, until, window, with};
