@@ -62,6 +62,8 @@ mod mcp;
 mod readers;
 mod record;
 mod several;
+#[cfg(all(unix, feature = "full"))]
+mod soak;
 #[cfg(unix)]
 mod sources;
 mod watch;

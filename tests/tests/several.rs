@@ -85,6 +85,68 @@ fn rows_of_two_devices_are_put_together_on_the_hosts_clock() {
         metadata["device"].contains("udp:") && metadata["device"].contains("; text+tcp:"),
         "{metadata:?}"
     );
+    assert_eq!(metadata["device_channels"], "tcp_speed, torque; udp_speed");
+    let refused = run(["align", &log, "--by", "tcp_speed=torque"]);
+    assert!(refused.refusal(2).contains("tcp_speed is in rad/s and torque is in N m"), "{refused:?}");
+    // A speed that rises evenly all the time determines no shift: an offset explains it as well.
+    let refused = run(["align", &log, "--by", "tcp_speed=udp_speed"]);
+    assert!(refused.refusal(1).contains("udp_speed is not laid over tcp_speed: "), "{refused:?}");
+}
+
+/// A motion that is like itself at no other time.
+fn motion(t: f64) -> f64 {
+    (2.0 * t + 0.4 * t * t).sin() + 0.5 * (7.3 * t + 1.0).sin()
+}
+
+/// A load behind a gear of -8 whose device is 3.7 ms late, at rows of 2 ms: the shift is found within its interval, and the new recording has
+/// the load's channels at their right times.
+#[test]
+fn channels_of_a_device_are_shifted_by_a_motion_that_two_devices_saw() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (log, aligned) = (path("run.csv"), path("aligned.mcap"));
+    let row = |k: u32| {
+        let t = 0.002 * f64::from(k);
+        // An error of the last digit, alike at no two rows.
+        let noise = 1e-3 * f64::from(k.wrapping_mul(2_654_435_761) >> 16) / 65536.0;
+        let late = motion(t - 0.0037);
+        format!("{t:.3},{:.6},{:.6},{:.6}\n", -8.0 * motion(t) + noise, late + noise, 3.0 * late)
+    };
+    let rows: String = (0..4000).map(row).collect();
+    std::fs::write(&log, format!("t_s,motor_speed_rad_s,load_speed_rad_s,load_torque_Nm\n{rows}")).unwrap();
+    let arguments =
+        ["align", &log, "--by", "motor_speed=load_speed", "--with", "load_torque", "-o", &aligned];
+    let found = run(arguments.iter().chain(&["--json"])).json();
+    let number = |name: &str| found[name]["value"].as_f64().unwrap();
+    let ends: Vec<f64> =
+        found["shift_s"]["ci95"].as_array().unwrap().iter().filter_map(serde_json::Value::as_f64).collect();
+    assert!((number("shift_s") + 0.0037).abs() < 5e-5 && (number("gain") + 8.0).abs() < 0.01, "{found}");
+    assert!(ends[1] - ends[0] < 1e-4 && ends[0] < -0.0036 && ends[1] > -0.0038, "{found}");
+    let data = Dataset::open(&aligned).unwrap();
+    let loaded = data.load(&["load_torque"]).unwrap();
+    let torque = loaded.columns[0].values();
+    let known = loaded.time_s.iter().zip(torque).filter(|(_, torque)| torque.is_finite());
+    assert!(known.clone().count() >= 3997, "{}", known.count());
+    assert!(known.into_iter().all(|(t, torque)| (torque - 3.0 * motion(*t)).abs() < 5e-3));
+    let metadata = &data.contents().unwrap().metadata;
+    assert!(metadata["aligned"].starts_with("load_speed is shifted by -3.70"), "{metadata:?}");
+
+    // The same motion again and again: the shifts are offered, and one of them can be named.
+    let periodic = path("periodic.csv");
+    let row = |k: u32| {
+        let t = 0.002 * f64::from(k);
+        format!("{t:.3},{:.6},{:.6}\n", (31.0 * t).sin(), (31.0 * (t - 0.0037)).sin())
+    };
+    let rows: String = (0..4000).map(row).collect();
+    std::fs::write(&periodic, format!("t_s,motor_speed_rad_s,load_speed_rad_s\n{rows}")).unwrap();
+    let by = ["align", &periodic, "--by", "motor_speed=load_speed"];
+    let refused = run(by);
+    assert!(
+        refused.refusal(1).contains("these shifts fit alike: -0.0037 s, +0.1990 s, -0.2064 s"),
+        "{refused:?}"
+    );
+    let near = run(by.iter().chain(&["--near", "0.199", "--within", "0.05", "--json"])).json();
+    assert!((near["shift_s"]["value"].as_f64().unwrap() - 0.19898).abs() < 1e-4, "{near}");
 }
 
 #[test]

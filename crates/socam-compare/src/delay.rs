@@ -1,7 +1,7 @@
 //! Delay, gain and offset of a recording against its simulation.
 
 use crate::estimate::Estimate;
-use crate::pair::{Pair, derivative, interpolated, rms};
+use crate::pair::{Pair, interpolated, rms, slope};
 use crate::regression;
 
 /// Largest delay that is looked for, as a share of the recording and in seconds.
@@ -18,14 +18,27 @@ pub(crate) struct Matched {
 impl Matched {
     pub(crate) fn of(pair: &Pair, time_s: &[f64], step_s: f64) -> Option<Self> {
         let span_s = time_s.last()? - time_s.first()?;
-        let mut delay_s = coarse_delay(pair, step_s, (LARGEST_DELAY.0 * span_s).min(LARGEST_DELAY.1));
-        let mut result = None;
+        let delay_s = coarse_delay(pair, step_s, (LARGEST_DELAY.0 * span_s).min(LARGEST_DELAY.1));
+        Self::near(&pair.measured, &pair.simulated, time_s, (step_s, delay_s), 1)
+    }
+
+    /// The delay of `simulated` near one that is known to a few steps. Its slope is taken over `reach` rows to both sides: where it is measured
+    /// too, its noise in a short slope would make the interval too narrow.
+    pub(crate) fn near(
+        measured: &[f64],
+        simulated: &[f64],
+        time_s: &[f64],
+        (step_s, near_s): (f64, f64),
+        reach: usize,
+    ) -> Option<Self> {
+        let span_s = time_s.last()? - time_s.first()?;
+        let (mut delay_s, mut result) = (near_s, None);
         for _ in 0..6 {
             let moved: Vec<f64> = time_s.iter().map(|time| time - delay_s).collect();
-            let simulated = interpolated(&moved, time_s, &pair.simulated);
-            let slope = derivative(time_s, &simulated);
+            let simulated = interpolated(&moved, time_s, simulated);
+            let slope = slope(time_s, &simulated, reach);
             let columns = [vec![1.0; time_s.len()], simulated, slope];
-            let fit = regression::fit(&pair.measured, &columns)?;
+            let fit = regression::fit(measured, &columns)?;
             let gain = fit.coefficients[1];
             if gain.abs() < 1e-3 {
                 return None;
@@ -37,7 +50,7 @@ impl Matched {
                 delay_s: Estimate::new(delay_s, width(2) / gain.abs()),
                 gain: Estimate::new(gain, width(1)),
                 offset: Estimate::new(fit.coefficients[0], width(0)),
-                rms: rms(&pair.measured) * (1.0 - fit.explained).max(0.0).sqrt(),
+                rms: rms(measured) * (1.0 - fit.explained).max(0.0).sqrt(),
             });
             if change_s.is_nan() || change_s.abs() <= 1e-3 * step_s {
                 break;

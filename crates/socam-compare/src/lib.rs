@@ -5,11 +5,13 @@
 //! of the error with the simulated channel and regressions of it on functions of the simulated motion, whose variances come from blocks of
 //! the recording; their levels add up to [`Options::false_alarm_rate`].
 
+pub mod alignment;
 mod channel;
 mod delay;
 mod document;
 mod error;
 mod estimate;
+pub mod lags;
 mod laws;
 mod pair;
 mod regression;

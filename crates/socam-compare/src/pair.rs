@@ -227,10 +227,15 @@ impl Pairing {
 
 /// Central differences.
 pub(crate) fn derivative(time_s: &[f64], values: &[f64]) -> Vec<f64> {
+    slope(time_s, values, 1)
+}
+
+/// Central differences over so many rows to both sides.
+pub(crate) fn slope(time_s: &[f64], values: &[f64], reach: usize) -> Vec<f64> {
     let last = values.len().saturating_sub(1);
     (0..values.len())
         .map(|k| {
-            let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
+            let (a, b) = (k.saturating_sub(reach), (k + reach).min(last));
             (values[b] - values[a]) / (time_s[b] - time_s[a])
         })
         .collect()

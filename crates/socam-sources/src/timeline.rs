@@ -68,6 +68,8 @@ pub struct Timeline {
     still_rows: u32,
     is_stopped: bool,
     period: Period,
+    /// Rows that came within half a period of the one before: the step behind them is longer by as much, and nothing is lost in it.
+    early: u64,
     lags: Lags,
     counts: Counts,
     /// Damaged messages since the last row, each of which takes a number if nothing else counts them.
@@ -110,6 +112,7 @@ impl Timeline {
             still_rows: 0,
             is_stopped: false,
             period: Period::default(),
+            early: 0,
             lags: Lags::default(),
             counts: Counts::default(),
             damaged: 0,
@@ -268,12 +271,22 @@ impl Timeline {
             Numbering::Clock => {
                 self.period.take(step_ns);
                 match self.period.even_ns() {
-                    Some(period_ns) => ((step_ns + period_ns / 2) / period_ns).max(1) as u64,
+                    Some(period_ns) => self.periods(step_ns, period_ns),
                     None => 1 + damaged,
                 }
             }
             Numbering::Arrival => 1 + damaged,
         }
+    }
+
+    /// Steps of an even clock in a step, as far as earlier rows have not taken them.
+    fn periods(&mut self, step_ns: i64, period_ns: i64) -> u64 {
+        let passed = ((step_ns + period_ns / 2) / period_ns) as u64;
+        if passed == 0 {
+            self.early += 1;
+            return 1;
+        }
+        (passed - std::mem::take(&mut self.early).min(passed - 1)).max(1)
     }
 
     fn keep(&mut self, row: &Row, time_ns: i64, sequence: u64, jumped: bool) -> Placed {

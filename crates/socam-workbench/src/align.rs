@@ -1,5 +1,6 @@
 //! The shift that lays one recording over another, by the correlation of a channel that both have.
 
+use socam_compare::lags::{Peak, between, correlation, peaks};
 use socam_samples::Samples;
 
 use crate::job::Handle;
@@ -16,9 +17,8 @@ const BLOCK: usize = 1 << 16;
 const OVERLAP: f64 = 0.3;
 /// Least correlation of recordings that are laid over each other.
 const LEAST: f64 = 0.7;
-/// A peak ends where the correlation falls below this share of it, and another one is as good from the second share on.
-const ENDS: f64 = 0.5;
-const AS_GOOD: f64 = 0.93;
+/// Most shifts that are offered where the signal repeats itself.
+const MOST_OFFERED: usize = 6;
 
 /// How two recordings lie over each other best.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,12 +32,13 @@ pub struct Alignment {
 /// A channel of a recording.
 pub type Of<'a> = (&'a Samples, usize);
 
-/// The shift of the second recording that makes its channel most like that of the first. Both must overlap by 30 % of the shorter one.
-/// The resolution is that of the slower recording, with a parabola between its samples.
+/// The shifts of the second recording that make its channel most like that of the first: one, or several where the signal repeats itself, those
+/// nearest to `near_s` first. Both must overlap by 30 % of the shorter one. The resolution is that of the slower recording, with a parabola
+/// between its samples.
 ///
 /// # Errors
-/// When a recording is empty, the best correlation is below 0.7, or another shift fits as well; one sentence.
-pub fn align(first: Of<'_>, second: Of<'_>, handle: &Handle) -> Result<Alignment, String> {
+/// When a recording is empty, the best correlation is below 0.7, or it does not fall on both sides; one sentence.
+pub fn align(first: Of<'_>, second: Of<'_>, near_s: f64, handle: &Handle) -> Result<Vec<Alignment>, String> {
     let spans = [first, second].map(|(samples, _)| samples.span_s());
     let [Some(a), Some(b)] = spans else { return Err("a recording has no sample".into()) };
     let longest = (a[1] - a[0]).max(b[1] - b[0]);
@@ -52,25 +53,34 @@ pub fn align(first: Of<'_>, second: Of<'_>, handle: &Handle) -> Result<Alignment
     let read =
         |(samples, channel): Of<'_>, from: f64, step: f64| cells(samples, channel, (from, step), handle);
     let (mut one, mut other) = (read(first, a[0], step)?, read(second, b[0], step)?);
-    let (mut lag, mut best) = search(&one.means, &other.means, step, handle)?;
+    let mut peaks = search(&one.means, &other.means, handle)?;
+    let coarse_s = |lag: isize| a[0] - b[0] - lag as f64 * step - near_s;
+    peaks.sort_by(|a, b| coarse_s(a.lag).abs().total_cmp(&coarse_s(b.lag).abs()));
+    peaks.truncate(MOST_OFFERED);
     while step > 1.5 * finest {
         step /= FINER as f64;
         (one, other) = (read(first, a[0], step)?, read(second, b[0], step)?);
-        let middle = lag * FINER as isize;
-        let near = middle - FINER as isize..=middle + FINER as isize;
-        let found = near.filter_map(|lag| Some((lag, correlation(&one.means, &other.means, lag)?.0)));
-        (lag, best) = found.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((middle, best));
-    }
-    let beside = [lag - 1, lag + 1].map(|lag| correlation(&one.means, &other.means, lag).map(|(own, _)| own));
-    let between = match beside {
-        [Some(before), Some(after)] if before + after < 2.0 * best => {
-            0.5 * (before - after) / (before - 2.0 * best + after)
+        for peak in &mut peaks {
+            let middle = peak.lag * FINER as isize;
+            let near = middle - FINER as isize..=middle + FINER as isize;
+            let found = near.filter_map(|lag| {
+                Some(Peak { lag, correlation: correlation(&one.means, &other.means, lag)?.0 })
+            });
+            let best = found.max_by(|a, b| a.correlation.total_cmp(&b.correlation));
+            *peak = best.unwrap_or(Peak { lag: middle, ..*peak });
         }
-        _ => 0.0,
-    };
-    // Cell i of the first lies over cell i + lag of the second.
-    let shift_s = a[0] + one.late_s - b[0] - other.late_s - (lag as f64 + between) * step;
-    Ok(Alignment { shift_s, correlation: best })
+    }
+    let exact = peaks.iter().map(|Peak { lag, correlation: best }| {
+        let beside = [lag - 1, lag + 1].map(|lag| correlation(&one.means, &other.means, lag));
+        let between = match beside {
+            [Some((before, _)), Some((after, _))] => between([before, *best, after]),
+            _ => 0.0,
+        };
+        // Cell i of the first lies over cell i + lag of the second.
+        let shift_s = a[0] + one.late_s - b[0] - other.late_s - (*lag as f64 + between) * step;
+        Alignment { shift_s, correlation: *best }
+    });
+    Ok(exact.collect())
 }
 
 /// The usual distance of samples, s.
@@ -117,68 +127,26 @@ fn cells(
     Ok(Cells { means: sums.into_iter().zip(counts).map(mean).collect(), late_s: late_s / total.max(1.0) })
 }
 
-/// The lag with the greatest correlation, and that correlation.
-fn search(one: &[f64], other: &[f64], step: f64, handle: &Handle) -> Result<(isize, f64), String> {
-    let least = ((OVERLAP * one.len().min(other.len()) as f64) as usize).max(3);
-    let lags = 1 - one.len() as isize..other.len() as isize;
-    let mut all = Vec::with_capacity(lags.len());
-    for lag in lags.clone() {
-        if lag % 256 == 0 {
-            handle.reached((lag - lags.start) as f32 / lags.len() as f32)?;
+/// The lags with the greatest correlation.
+fn search(one: &[f64], other: &[f64], handle: &Handle) -> Result<Vec<Peak>, String> {
+    let least = (OVERLAP * one.len().min(other.len()) as f64) as usize;
+    let lags = 1 - one.len() as isize..=other.len() as isize - 1;
+    let found = peaks(one, other, lags, least, |share| handle.reached(share))?;
+    let best = found.as_ref().map(|found| found.peaks[0].correlation);
+    match found {
+        Some(found) if found.peaks[0].correlation >= LEAST => {
+            if found.peaks.len() == 1 && !found.is_bounded {
+                return Err(
+                    "there is no clear maximum: the correlation does not fall on both sides of it".into()
+                );
+            }
+            Ok(found.peaks)
         }
-        let found = correlation(one, other, lag).filter(|(_, count)| *count >= least);
-        all.push(found.map_or(f64::NEG_INFINITY, |(own, _)| own));
-    }
-    let peak = |range: std::ops::Range<usize>| range.max_by(|a, b| all[*a].total_cmp(&all[*b]));
-    let place = peak(0..all.len()).ok_or("a recording has no sample")?;
-    let (best, shift) = (all[place], |place: usize| -(lags.start + place as isize) as f64 * step);
-    if best < LEAST {
-        let found = if best.is_finite() { format!("{best:.2}") } else { "none".into() };
-        return Err(format!(
-            "their best correlation is {found}, and {LEAST} is needed to lay one over the other"
-        ));
-    }
-    let falls = |value: &f64| *value < ENDS * best;
-    let left = all[..place].iter().rposition(falls).map_or(0, |end| end + 1);
-    let right = all[place..].iter().position(falls).map_or(all.len(), |end| place + end);
-    // Two peaks on one hill are one.
-    let rival = [peak(0..left), peak(right..all.len())]
-        .into_iter()
-        .flatten()
-        .max_by(|a, b| all[*a].total_cmp(&all[*b]));
-    match rival.filter(|rival| all[*rival] > AS_GOOD * best) {
-        Some(rival) => Err(format!(
-            "there is no clear maximum: the signal repeats itself, and shifts that differ by {:.4} s correlate at {best:.2} and {:.2}",
-            (shift(place) - shift(rival)).abs(),
-            all[rival]
-        )),
-        None if left == 0 || right == all.len() => {
-            Err("there is no clear maximum: the correlation does not fall on both sides of it".into())
-        }
-        None => Ok((lags.start + place as isize, best)),
-    }
-}
-
-/// Pearson's correlation of cell i of one with cell i + lag of the other where both have a value, and the number of these; `None` where
-/// fewer than three have, or one of them is constant.
-fn correlation(one: &[f64], other: &[f64], lag: isize) -> Option<(f64, usize)> {
-    let from = (-lag).max(0) as usize;
-    let start = (from as isize + lag) as usize;
-    let (mut count, mut sums, mut products) = (0_usize, [0.0; 2], [0.0; 3]);
-    for (a, b) in one.get(from..)?.iter().zip(other.get(start..)?) {
-        if a.is_finite() && b.is_finite() {
-            count += 1;
-            sums = [sums[0] + a, sums[1] + b];
-            products = [products[0] + a * a, products[1] + a * b, products[2] + b * b];
+        _ => {
+            let found = best.map_or_else(|| "none".into(), |best| format!("{best:.2}"));
+            Err(format!("their best correlation is {found}, and {LEAST} is needed to lay one over the other"))
         }
     }
-    let mean = sums.map(|sum| sum / count as f64);
-    let [aa, ab, bb] =
-        [products[0] - sums[0] * mean[0], products[1] - sums[0] * mean[1], products[2] - sums[1] * mean[1]];
-    let scale = (aa * bb).sqrt();
-    // What rounding leaves of a constant is no signal.
-    let rounding = 1e-9 * (products[0] * products[2]).sqrt();
-    (count >= 3 && scale > rounding).then_some((ab / scale, count))
 }
 
 #[cfg(test)]
@@ -199,8 +167,13 @@ mod tests {
         3.0 + (2.0 * t + 0.9 * t * t).sin()
     }
 
+    fn all(first: &Samples, second: &Samples, near_s: f64) -> Result<Vec<Alignment>, String> {
+        align((first, 0), (second, 0), near_s, &Handle::default())
+    }
+
     fn aligned(first: &Samples, second: &Samples) -> Result<Alignment, String> {
-        align((first, 0), (second, 0), &Handle::default())
+        let [found] = all(first, second, 0.0)?[..] else { panic!() };
+        Ok(found)
     }
 
     #[test]
@@ -224,9 +197,20 @@ mod tests {
     }
 
     #[test]
-    fn what_repeats_or_differs_is_refused_with_the_reason() {
+    fn what_repeats_itself_offers_the_shifts_by_its_periods_the_nearest_first() {
+        let sine = |late_s: f64| of(0.0, 1e-2, 1000, move |t| (6.0 * (t - late_s)).sin());
+        let found = all(&sine(0.0), &sine(0.3), 2.0).unwrap();
+        let period_s = std::f64::consts::TAU / 6.0;
+        let expected = [2.0, 3.0, 1.0, 4.0, 0.0, 5.0].map(|periods| periods * period_s - 0.3);
+        assert_eq!(found.len(), MOST_OFFERED, "{found:?}");
+        for (found, expected_s) in found.iter().zip(expected) {
+            assert!((found.shift_s - expected_s).abs() < 2e-3 && found.correlation > 0.99, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn what_differs_is_refused_with_the_reason() {
         let sine = of(0.0, 1e-2, 1000, |t| (6.0 * t).sin());
-        assert!(aligned(&sine, &sine).unwrap_err().contains("repeats itself"));
         let other = of(0.0, 1e-2, 1000, |t| (1.0 / (0.02 + t)).sin());
         assert!(aligned(&of(0.0, 1e-2, 1000, sweep), &other).unwrap_err().contains("best correlation is"));
         let constant = of(0.0, 1e-2, 1000, |_| 4.0);

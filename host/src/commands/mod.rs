@@ -1,5 +1,6 @@
 //! The commands, one file each. A new command needs its `mod` line and its line in the table below.
 
+mod align;
 mod calibrate;
 #[cfg(feature = "challenge")]
 mod challenge;
@@ -198,6 +199,7 @@ commands! {
     Diagnose => diagnose,
     Fleet => fleet if "fleet",
     Compare => compare,
+    Align => align,
     Calibrate => calibrate,
     Efficiency => efficiency,
     Design => design,

@@ -19,8 +19,20 @@ const MOST_CHANNELS: usize = 8;
 /// A channel of the two recordings: its name, and its samples in the other recording and in the one that is shifted.
 type Pair = (String, (Arc<Samples>, usize), (Arc<Samples>, usize));
 
-/// The channel that decides, and the shift.
-type Found = (String, Alignment);
+/// The channel that decides, and the shifts that fit: one, or several, those nearest to the present one first.
+type Found = (String, Vec<Alignment>);
+
+/// Shifts of a recording that fit alike, because its signal repeats itself; its menu offers them.
+#[derive(Debug)]
+pub(super) struct Offered {
+    /// The recording's number.
+    pub(super) number: usize,
+    /// Name of the recording that it is laid over, and of the channel.
+    pub(super) over: String,
+    pub(super) channel: String,
+    /// Delays to choose from, s.
+    pub(super) shifts_s: Vec<f64>,
+}
 
 /// A recording that is being aligned.
 pub(super) struct Aligning {
@@ -68,7 +80,10 @@ impl Review {
             return Some(Request::Warn(said));
         }
         pairs.truncate(MOST_CHANNELS);
-        let job = Job::start(&format!("Aligning {name}"), &wake(ctx), move |handle| best(&pairs, handle));
+        self.offered = None;
+        let near_s = entry.shift_s - other.shift_s;
+        let work = move |handle: &Handle| best(&pairs, near_s, handle);
+        let job = Job::start(&format!("Aligning {name}"), &wake(ctx), work);
         self.aligning = Some(Aligning { number: entry.number, name, other: (over, other.shift_s), job });
         None
     }
@@ -81,11 +96,20 @@ impl Review {
         match result {
             Ok((channel, found)) => {
                 // Beyond a nanosecond there is nothing to see.
-                entry.shift_s = 1e-9 * (1e9 * (found.shift_s + delay_s)).round();
-                Some(Request::Say(format!(
-                    "{name} is shifted by {:+.6} s: {channel} then correlates with that of {over} at {:.4}",
-                    entry.shift_s, found.correlation
-                )))
+                let exact = |found: &Alignment| 1e-9 * (1e9 * (found.shift_s + delay_s)).round();
+                if let [found] = &found[..] {
+                    entry.shift_s = exact(found);
+                    return Some(Request::Say(format!(
+                        "{name} is shifted by {:+.6} s: {channel} then correlates with that of {over} at {:.4}",
+                        entry.shift_s, found.correlation
+                    )));
+                }
+                let shifts_s = found.iter().map(exact).collect();
+                let said = format!(
+                    "{channel} of {name} repeats itself, so that several shifts lay it over {over} alike: choose one in the menu of {name}"
+                );
+                self.offered = Some(Offered { number, over, channel, shifts_s });
+                Some(Request::Warn(said))
             }
             Err(sentence) if sentence == CANCELLED => None,
             Err(sentence) => Some(Request::Warn(format!("{name} is not laid over {over}: {sentence}"))),
@@ -93,12 +117,13 @@ impl Review {
     }
 }
 
-/// The channel with the greatest correlation; the reason of the first one if none has a clear maximum.
-fn best(pairs: &[Pair], handle: &Handle) -> Result<Found, String> {
+/// The channel with the greatest correlation, a clear shift before several; the reason of the first channel if none has any.
+fn best(pairs: &[Pair], near_s: f64, handle: &Handle) -> Result<Found, String> {
     let (mut best, mut problem): (Option<Found>, Option<String>) = (None, None);
+    let rank = |found: &[Alignment]| (found.len() == 1, found.first().map_or(0.0, |one| one.correlation));
     for (name, (first, one), (second, own)) in pairs {
-        match align((first, *one), (second, *own), handle) {
-            Ok(found) if best.as_ref().is_none_or(|(_, known)| found.correlation > known.correlation) => {
+        match align((first, *one), (second, *own), near_s, handle) {
+            Ok(found) if best.as_ref().is_none_or(|(_, known)| rank(&found) > rank(known)) => {
                 best = Some((name.clone(), found));
             }
             Ok(_) => {}

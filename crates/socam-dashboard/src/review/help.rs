@@ -87,7 +87,7 @@ pub(super) const HELP: Help = &[
     ("shift of ...", "draws a recording so much later or earlier, to lay it over another"),
     (
         "Align",
-        "in the menu of a recording: finds the shift that lays it over the reference of Difference to, else over the first other recording, by the correlation of a channel that is drawn; refused where the correlation has no clear maximum",
+        "in the menu of a recording: finds the shift that lays it over the reference of Difference to, else over the first other recording, by the correlation of a channel that is drawn; where the signal repeats itself, the menu then offers the shifts that fit alike, those nearest to the present one first",
     ),
     ("Difference to", "draws every other recording minus this one"),
     ("shaded; vertical lines", "gaps, and events of the recording"),

@@ -92,6 +92,8 @@ pub struct Review {
     tables: BTreeMap<u64, usize>,
     /// The recording that is being laid over another one.
     aligning: Option<align::Aligning>,
+    /// Shifts among which one is to be chosen.
+    offered: Option<align::Offered>,
     /// Position of the pointer on the time axis.
     linked: Linked,
     views: Views,

@@ -2,7 +2,7 @@
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use socam_dashboard::{Dashboard, Layout, View};
 
 use crate::clicks::{click, copied, has, press, until, window, with};
@@ -147,6 +147,41 @@ fn a_recording_is_laid_over_another_and_a_periodic_one_is_refused() {
     until(&mut window, "the answer", |window| !window.state().is_busy());
     window.run_steps(2);
     window.get_by_label_contains("sine.csv is not laid over one.csv: of command, ");
+}
+
+/// Two sines: the shifts by a period are offered, one of them is chosen in the menu, and undo takes it back.
+#[test]
+fn a_signal_that_repeats_itself_offers_the_shifts_that_fit() {
+    let sine = |name: &str, late_s: f64| {
+        let times = || (0..4000).map(|row| f64::from(row) * 1e-3);
+        sample::of(name, times().collect(), vec![times().map(|t| (20.0 * (t - late_s)).sin()).collect()])
+    };
+    let mut dashboard = Dashboard::default();
+    dashboard.layout.view = View::Time;
+    dashboard.add_recording(sine("one.csv", 0.0));
+    dashboard.add_recording(sine("two.csv", 0.05));
+    let mut window = window(dashboard);
+    click(&mut window, "More about two.csv");
+    click(&mut window, "Align");
+    until(&mut window, "the shifts", |window| !window.state().is_busy());
+    window.run_steps(2);
+    assert_eq!(window.state().workspace.entries[1].shift_s, 0.0, "nothing is chosen yet");
+    window
+        .get_by_label_contains("of two.csv repeats itself, so that several shifts lay it over one.csv alike");
+    click(&mut window, "More about two.csv");
+    let period_s = std::f64::consts::TAU / 20.0;
+    let labels: Vec<String> = window
+        .get_all_by_label_contains("Shift two.csv by ")
+        .filter_map(|node| node.accesskit_node().label())
+        .collect();
+    assert_eq!(labels.len(), 6, "{labels:?}");
+    click(&mut window, &labels[1]);
+    let shift_s = window.state().workspace.entries[1].shift_s;
+    assert!((shift_s - (period_s - 0.05)).abs() < 1e-4, "{shift_s} {labels:?}");
+    window.run_steps(40);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.run_steps(3);
+    assert_eq!(window.state().workspace.entries[1].shift_s, 0.0, "undo takes it back");
 }
 
 #[test]

@@ -25,6 +25,9 @@ pub use gateway::{Gateway, Outgoing};
 pub use slcan::{Access, CanFrame, Stamp, opening};
 pub use survey::{Found, survey};
 
+/// Most frames that share a time stamp and are set apart, far below the shortest stamp of 1 ms.
+const MOST_SHARED: u32 = 100;
+
 /// A kind of frames that is recorded.
 #[derive(Debug, Clone)]
 struct Recorded {
@@ -42,6 +45,8 @@ pub struct CanBus {
     has_stamps: bool,
     adapter: Adapter,
     aligner: Aligner,
+    /// The last time stamp of the frames that give rows, and how many of them have had it before.
+    shared: Option<(f64, u32)>,
     /// Since the last frame that is recorded.
     silence: Silence,
     /// Number of frames of kinds that were not there when the bus was surveyed.
@@ -60,6 +65,7 @@ impl CanBus {
             channels: found.channels,
             has_stamps: found.has_stamps,
             adapter: Adapter::opened(opening),
+            shared: None,
             silence: Silence::default(),
             late: 0,
         }
@@ -100,11 +106,23 @@ impl CanBus {
                 continue;
             }
             let device = self.has_stamps;
+            let time_s = if kind == 0 && device { self.apart(time_s) } else { time_s };
             self.aligner.push(kind, time_s, values, arrival_ns, |time_s, values, arrival_ns| {
                 let device_s = device.then_some(time_s);
                 heard.push(Heard::Row(Row { device_s, number: None, arrival_ns, spread_ns: 0, values }));
             });
         }
+    }
+}
+
+impl CanBus {
+    /// The time of a frame that gives a row: frames that share a stamp, which is coarser than they are, are set a microsecond apart, so that
+    /// none of them is taken for the one before.
+    fn apart(&mut self, stamp_s: f64) -> f64 {
+        let before = self.shared.filter(|(before_s, _)| *before_s == stamp_s);
+        let count = before.map_or(0, |(_, count)| count.saturating_add(1));
+        self.shared = Some((stamp_s, count));
+        stamp_s + f64::from(count.min(MOST_SHARED)) * 1e-6
     }
 }
 

@@ -107,3 +107,13 @@ fn without_clock_and_number_damaged_rows_count() {
     assert!(second.0 > first.0);
     assert_eq!((timeline.counts().damaged, timeline.arrival_spread_s()), (1, 0.002));
 }
+
+/// A clock coarser than its jitter: two rows in one tick and none in the next is not a loss, a row that is missing is one.
+#[test]
+fn rows_that_share_a_tick_are_not_followed_by_a_loss() {
+    let mut timeline = Timeline::new(Numbering::Clock, None);
+    run(&mut timeline, 0..100, 0.0);
+    let mut place = |s: f64| at(timeline.place(&row(Some(100.0 + s), None, 5.0 + s))).1;
+    assert_eq!([place(1.0), place(1.000_001), place(1.02)], [100, 101, 102]);
+    assert_eq!([place(1.03), place(1.05)], [103, 105]);
+}

@@ -17,6 +17,8 @@ use crate::output;
 
 /// Longest time for which a device may be gone or silent.
 const GONE_NS: i64 = 10_000_000_000;
+/// Time without a byte after which another sender of packets is taken for the device.
+const SILENT_NS: i64 = 2_000_000_000;
 /// Longest time for which a device may send no sample, ns; one that knows why says so before.
 const NO_SAMPLE_NS: i64 = 12_000_000_000;
 /// Interval at which a link that broke is opened again.
@@ -135,6 +137,8 @@ impl Run<'_> {
                         format!("{} fell silent (waited {} s)", self.plan.name, GONE_NS / 1_000_000_000);
                     return Ok(SourceEnd::Gone(silence));
                 }
+                // A sender of packets that begins anew sends from another port.
+                Ok(None) if link.now_ns() - heard_ns > SILENT_NS => link.forget_sender(),
                 Ok(None) => {}
                 Err(error) if self.device.last_words().is_some() => {
                     self.note("fault", format!("the link broke: {error}"));

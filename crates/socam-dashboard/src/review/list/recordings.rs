@@ -7,6 +7,7 @@ use egui::{
 };
 
 use super::{Review, elided, neat, short_name};
+use crate::review::align::Offered;
 use socam_chart::swatch::swatch;
 use socam_chart::theme;
 use socam_plot::words::counted;
@@ -15,6 +16,9 @@ use socam_workbench::entry::Entry;
 
 /// Number of recordings up to which each row has a second line with facts.
 const FEW: usize = 3;
+
+/// Width of a menu that offers shifts: two beside each other.
+const CHOICE_WIDTH: f32 = 240.0;
 
 /// Action on a recording.
 #[derive(Clone, Copy)]
@@ -56,7 +60,9 @@ impl Review {
             if !self.is_found(&entry.recording.about.name) {
                 continue;
             }
-            let (rect, own) = ui.push_id(entry.number, |ui| row(ui, entry, (is_few, other))).inner;
+            let offered = self.offered.as_ref().filter(|offered| offered.number == entry.number);
+            let shown = Shown { is_few, other, offered };
+            let (rect, own) = ui.push_id(entry.number, |ui| row(ui, entry, &shown)).inner;
             done = done.or(own.map(|own| (index, own)));
             if ui.rect_contains_pointer(rect) {
                 lit = Some(entry.number).filter(|_| entry.shown);
@@ -90,9 +96,19 @@ fn solo(entries: &mut [Entry], index: usize) {
     }
 }
 
-/// One recording: its colour, name and menu, on one line; `other` is the recording over which it can be laid. Returns the line's place and what is done.
-fn row(ui: &mut Ui, entry: &mut Entry, (is_few, other): (bool, Option<String>)) -> (Rect, Option<Done>) {
-    let mut done = None;
+/// What a row shows beside its recording.
+struct Shown<'a> {
+    /// Whether there are so few rows that each has its facts.
+    is_few: bool,
+    /// The recording over which it can be laid.
+    other: Option<String>,
+    /// Shifts among which one is to be chosen.
+    offered: Option<&'a Offered>,
+}
+
+/// One recording: its colour, name and menu, on one line. Returns the line's place and what is done.
+fn row(ui: &mut Ui, entry: &mut Entry, shown: &Shown<'_>) -> (Rect, Option<Done>) {
+    let (mut done, is_few) = (None, shown.is_few);
     let name = short_name(entry);
     let was_shown = entry.shown;
     let row = ui.horizontal(|ui| {
@@ -109,7 +125,7 @@ fn row(ui: &mut Ui, entry: &mut Entry, (is_few, other): (bool, Option<String>)) 
             if close.clicked() {
                 done = Some(Done::Close);
             }
-            done = more(ui, entry, &name, other.as_deref()).or(done);
+            done = more(ui, entry, &name, shown).or(done);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let font = TextStyle::Button.resolve(ui.style());
                 let room = ui.available_width() - ui.spacing().icon_width - ui.spacing().icon_spacing - 2.0;
@@ -136,7 +152,7 @@ fn row(ui: &mut Ui, entry: &mut Entry, (is_few, other): (bool, Option<String>)) 
 }
 
 /// The menu of a recording; its button is seen while the pointer is on the row.
-fn more(ui: &mut Ui, entry: &mut Entry, name: &str, other: Option<&str>) -> Option<Done> {
+fn more(ui: &mut Ui, entry: &mut Entry, name: &str, shown: &Shown<'_>) -> Option<Done> {
     let mut done = None;
     let row = ui.max_rect();
     let place = ui.scope_id().with("menu of a recording");
@@ -161,7 +177,7 @@ fn more(ui: &mut Ui, entry: &mut Entry, name: &str, other: Option<&str>) -> Opti
                 let said = format!("shift of {name}");
                 shift.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, &said));
                 shift.on_hover_text("Draws this recording later or earlier, to lay it over another");
-                if let Some(other) = other {
+                if let Some(other) = &shown.other {
                     let align = ui.button("Align");
                     let tip = format!("Finds the shift that lays it over {other}, by the correlation of a channel that both have");
                     if align.on_hover_text(tip).clicked() {
@@ -169,6 +185,9 @@ fn more(ui: &mut Ui, entry: &mut Entry, name: &str, other: Option<&str>) -> Opti
                     }
                 }
             });
+            if let Some(offered) = shown.offered {
+                choice(ui, entry, name, offered);
+            }
             let tip = "Names, units and the clock of the file's columns";
             if is_log(entry) == Some(false) && ui.button("Set units...").on_hover_text(tip).clicked() {
                 done = Some(Done::Columns);
@@ -186,6 +205,26 @@ fn more(ui: &mut Ui, entry: &mut Entry, name: &str, other: Option<&str>) -> Opti
     let said = format!("More about {name}");
     button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &said));
     done
+}
+
+/// The shifts that lay a recording over another one alike.
+fn choice(ui: &mut Ui, entry: &mut Entry, name: &str, offered: &Offered) {
+    ui.set_max_width(CHOICE_WIDTH);
+    let Offered { over, channel, shifts_s, .. } = offered;
+    ui.label(
+        RichText::new(format!("{channel} repeats itself. It lies over that of {over} alike at")).small(),
+    );
+    ui.horizontal_wrapped(|ui| {
+        for shift_s in shifts_s {
+            let is_taken = entry.shift_s == *shift_s;
+            let button = ui.selectable_label(is_taken, format!("{shift_s:+.6} s"));
+            let said = format!("Shift {name} by {shift_s:+.6} s");
+            button.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, is_taken, &said));
+            if button.clicked() {
+                entry.shift_s = *shift_s;
+            }
+        }
+    });
 }
 
 /// Whether its file is a log, which names its columns, or a table, whose columns can be named; `None` for neither.

@@ -7,6 +7,7 @@ use socam_recording::{Channel, MACHINE_KEY, RecordingHeader, RecordingSummary};
 
 use super::attended::Ready;
 use super::merge::Merged;
+use crate::commands::align::DEVICE_CHANNELS;
 use crate::commands::record::{Args, attachment};
 use crate::device::source::{SourceAddress, SourceWriter, sample};
 use crate::live_watch::LiveWatch;
@@ -17,7 +18,14 @@ pub(super) fn header(
     addresses: &[SourceAddress],
     ready: &[Ready],
     (channels, begin_unix_ns): (Vec<Channel>, u64),
+    order: &[usize],
 ) -> anyhow::Result<RecordingHeader> {
+    let mut names = channels.iter().map(|channel| channel.name.as_str());
+    let own = order.iter().map(|device| {
+        let of_device: Vec<&str> = names.by_ref().take(ready[*device].channels.len()).collect();
+        of_device.join(", ")
+    });
+    let device_channels = own.collect::<Vec<_>>().join("; ");
     let mut header = RecordingHeader::new(channels);
     header.start_unix_ns = begin_unix_ns;
     header.planned_duration_s = args.record.duration_s;
@@ -25,6 +33,7 @@ pub(super) fn header(
     let all = |of: &dyn Fn(usize) -> String| (0..ready.len()).map(of).collect::<Vec<_>>().join("; ");
     let metadata = &mut header.metadata;
     metadata.insert("device".into(), all(&|index| addresses[index].to_string()));
+    metadata.insert(DEVICE_CHANNELS.into(), device_channels);
     metadata.insert("device_kind".into(), all(&|index| ready[index].kind.clone()));
     let counted = all(&|index| format!("of {} counted {}", addresses[index], ready[index].counted_by));
     metadata.insert("lost_samples".into(), counted);

@@ -66,7 +66,7 @@ pub(super) fn run(args: &Args, path: &Path) -> anyhow::Result<Outcome> {
         let mut survey = Survey::hear(&addresses, &messages, &interrupt)?;
         let merge = Merge::new(&survey.steps_s(), &survey.widths());
         let channels = names::channels(&survey.labels, &survey.ready, merge.order());
-        let header = file::header(args, &addresses, &survey.ready, (channels, begin_unix_ns))?;
+        let header = file::header(args, &addresses, &survey.ready, (channels, begin_unix_ns), merge.order())?;
         let watch = watch(args, watched, &header.channels, false)?;
         let file = File::new(path, header, args.record.duration_s, watch);
         let last_ns = vec![0; addresses.len()];
