@@ -58,7 +58,7 @@ impl Encoder {
     /// this power is the number of readings in a sampling interval.
     pub fn new(ticks_per_s: u32, log2_conversions: u32) -> Self {
         Self {
-            ticks_per_s: ticks_per_s.min(MOST_TICKS_PER_S).max(1),
+            ticks_per_s: ticks_per_s.clamp(1, MOST_TICKS_PER_S),
             count: 0,
             edge: Edge::default(),
             speed: 0,
