@@ -114,12 +114,16 @@ pub fn align(time_s: &[f64], fixed: &[f64], moved: &[f64], range: Range) -> Resu
     let row_s = median_step_s(time_s);
     let fixed_step_s = Sampled::of(time_s, fixed).step_s;
     let mut step_s = row_s;
-    while (last - first) / step_s * 2.0 * range.within_s / step_s > MOST_PRODUCTS {
+    // Beyond their whole length nothing overlaps.
+    let span_s = last - first;
+    let from_s = (range.near_s - range.within_s).max(-span_s);
+    let to_s = (range.near_s + range.within_s).min(span_s);
+    while span_s / step_s * (to_s - from_s) / step_s > MOST_PRODUCTS {
         step_s *= 2.0;
     }
     let [mut one, other] = [fixed, &dense].map(|values| cells(time_s, values, step_s));
     let cell = |shift_s: f64| (-shift_s / step_s).round() as isize;
-    let lags = cell(range.near_s + range.within_s)..=cell(range.near_s - range.within_s);
+    let lags = cell(to_s)..=cell(from_s);
     let least = (OVERLAP * rows as f64 * row_s / step_s) as usize;
     let search = |one: &[f64]| {
         let Ok(found) =
@@ -300,6 +304,8 @@ mod tests {
             align(&time_s[..100], &fixed[..100], &moved[..100], WIDE),
             Err(NotAligned::Short { rows: 99 })
         );
+        let beyond = Range { near_s: 1e9, within_s: 1.0 };
+        assert_eq!(align(&time_s, &fixed, &moved, beyond), Err(NotAligned::Unlike { correlation: None }));
         let far = Range { near_s: 0.3, within_s: 0.05 };
         assert!(matches!(
             align(&time_s, &fixed, &moved, far),

@@ -161,3 +161,38 @@ proptest! {
         }
     }
 }
+
+/// Frames at 1 kHz whose stamps of 1 ms two of them share now and then, as those of a real adapter do: each gives a row, and none is lost.
+#[test]
+fn frames_that_share_a_time_stamp_all_give_rows() {
+    let mut adapter = SlcanSimulator::new(true);
+    let opening = opening(Some(500_000), Access::Listen).unwrap();
+    adapter.receive(&opening);
+    let reads: Vec<(Vec<u8>, i64)> = (0..3000_u32)
+        .map(|k| {
+            // Each tenth frame comes so early that it has the stamp of the one before.
+            let time_s = 1e-3 * f64::from(k) + if k % 10 == 0 { -2e-4 } else { 1e-4 };
+            (adapter.frame(time_s.max(0.0), 257, &[k as u8, 0, 3, 0]), (1e9 * time_s) as i64 + 300_000)
+        })
+        .collect();
+    let found = survey(&reads[..1500].iter().map(chunk).collect::<Vec<_>>(), signals()).unwrap();
+    let mut device = CanBus::new(found, opening);
+    let mut timeline = socam_sources::Timeline::new(device.numbering(), None);
+    let mut heard = Vec::new();
+    reads.iter().for_each(|read| device.receive(chunk(read), &mut heard));
+    let numbers: Vec<u64> = rows(&heard)
+        .into_iter()
+        .filter_map(|row| match timeline.place(row) {
+            socam_sources::Placed::At { sequence, .. } => Some(sequence),
+            _ => None,
+        })
+        .collect();
+    assert!(
+        numbers.len() >= 2990 && timeline.counts().repeated == 0,
+        "{} {:?}",
+        numbers.len(),
+        timeline.counts()
+    );
+    let lost = numbers[numbers.len() - 1] + 1 - numbers.len() as u64;
+    assert_eq!(lost, 0);
+}

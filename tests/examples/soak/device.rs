@@ -119,11 +119,13 @@ impl Process {
                     rows.row(time_us, number, self.state.next + (number - made))
                 })
                 .collect();
+            // Before they leave: a device that is killed now has made them.
+            self.state.next += due - made;
+            made = due;
+            self.state.write(&self.file)?;
             if heard {
                 self.state.sent += self.link.send(&all);
             }
-            self.state.next += due - made;
-            made = due;
             self.state.write(&self.file)?;
         }
     }

@@ -129,13 +129,15 @@ impl Source {
 
     /// Waits until the server of a source listens.
     pub(crate) fn wait_for_server(&self) {
-        let (begin, address) = (Instant::now(), format!("127.0.0.1:{}", self.place));
-        while self.kind.over == Over::Server
-            && TcpStream::connect(&address).is_err()
-            && begin.elapsed() < Duration::from_secs(30)
-        {
+        let begin = Instant::now();
+        while !self.is_served() && begin.elapsed() < Duration::from_secs(30) {
             std::thread::sleep(Duration::from_millis(100));
         }
+    }
+
+    /// Whether the server of a source listens; others have none.
+    fn is_served(&self) -> bool {
+        self.kind.over != Over::Server || TcpStream::connect(format!("127.0.0.1:{}", self.place)).is_ok()
     }
 
     pub(crate) fn befall(&mut self, mishap: Mishap) {
@@ -186,7 +188,7 @@ impl Source {
         if self.device_due.is_some_and(|due| now >= due) {
             self.start_device()?;
         }
-        if self.recorder_due.is_some_and(|due| now >= due) {
+        if self.recorder_due.is_some_and(|due| now >= due) && self.is_served() {
             self.start_recorder()?;
         }
         if let Some(recorder) = &mut self.recorder {

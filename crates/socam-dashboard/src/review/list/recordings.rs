@@ -2,8 +2,8 @@
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{
-    Align, Button, Checkbox, DragValue, Layout, PopupCloseBehavior, Rect, RichText, Role, TextStyle, Ui,
-    WidgetInfo,
+    Align, Button, Checkbox, DragValue, Grid, Layout, PopupCloseBehavior, Rect, RichText, Role, TextStyle,
+    Ui, WidgetInfo,
 };
 
 use super::{Review, elided, neat, short_name};
@@ -17,8 +17,9 @@ use socam_workbench::entry::Entry;
 /// Number of recordings up to which each row has a second line with facts.
 const FEW: usize = 3;
 
-/// Width of a menu that offers shifts: two beside each other.
-const CHOICE_WIDTH: f32 = 240.0;
+/// Width of a menu that offers shifts, and how many stand beside each other.
+const CHOICE_WIDTH: f32 = 260.0;
+const CHOICES: usize = 3;
 
 /// Action on a recording.
 #[derive(Clone, Copy)]
@@ -211,19 +212,23 @@ fn more(ui: &mut Ui, entry: &mut Entry, name: &str, shown: &Shown<'_>) -> Option
 fn choice(ui: &mut Ui, entry: &mut Entry, name: &str, offered: &Offered) {
     ui.set_max_width(CHOICE_WIDTH);
     let Offered { over, channel, shifts_s, .. } = offered;
-    ui.label(
-        RichText::new(format!("{channel} repeats itself. It lies over that of {over} alike at")).small(),
-    );
-    ui.horizontal_wrapped(|ui| {
-        for shift_s in shifts_s {
-            let is_taken = entry.shift_s == *shift_s;
-            let button = ui.selectable_label(is_taken, format!("{shift_s:+.6} s"));
-            let said = format!("Shift {name} by {shift_s:+.6} s");
-            button.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, is_taken, &said));
-            if button.clicked() {
-                entry.shift_s = *shift_s;
+    ui.with_layout(Layout::top_down(Align::Min), |ui| {
+        let text = format!("{channel} repeats itself: these shifts lay it over {over} alike");
+        ui.label(RichText::new(text).small());
+        Grid::new("offered shifts").num_columns(CHOICES).show(ui, |ui| {
+            for (place, shift_s) in shifts_s.iter().enumerate() {
+                let is_taken = entry.shift_s == *shift_s;
+                let button = ui.selectable_label(is_taken, format!("{shift_s:+.6} s"));
+                let said = format!("Shift {name} by {shift_s:+.6} s");
+                button.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, is_taken, &said));
+                if button.clicked() {
+                    entry.shift_s = *shift_s;
+                }
+                if place % CHOICES == CHOICES - 1 {
+                    ui.end_row();
+                }
             }
-        }
+        });
     });
 }
 
