@@ -16,7 +16,7 @@ pub use order::{Key, Sorting, sorted};
 pub struct Column {
     /// Name; empty for a column without head, which is not sorted by.
     pub head: &'static str,
-    /// First width, points; the last column takes what is left, and at least this.
+    /// First width, points; a last column of text takes what is left, and at least this.
     pub width: f32,
     /// Whether its cells are numbers, which are aligned at the right.
     pub is_number: bool,
@@ -110,7 +110,8 @@ impl<'a> Table<'a> {
             .collect();
         let mut wanted = sorting;
         let full = ui.available_rect_before_wrap().x_range();
-        self.builder(ui).header(HEAD, |row| self.heads(row, &mut wanted)).body(|body| {
+        let unfolded = lines.iter().any(|(_, is_details)| *is_details);
+        self.builder(ui, !unfolded).header(HEAD, |row| self.heads(row, &mut wanted)).body(|body| {
             body.heterogeneous_rows(heights.into_iter(), |mut row| {
                 let (index, is_details) = lines[row.index()];
                 if is_details {
@@ -143,7 +144,7 @@ impl<'a> Table<'a> {
     ) -> Option<usize> {
         let mut wanted = self.sorting(ui);
         let mut clicked = None;
-        let builder = self.builder(ui).sense(Sense::click());
+        let builder = self.builder(ui, true).sense(Sense::click());
         builder.header(HEAD, |row| self.heads(row, &mut wanted)).body(|body| {
             body.rows(ROW, order.len(), |mut row| {
                 let index = order[row.index()];
@@ -198,7 +199,8 @@ impl<'a> Table<'a> {
         self.columns.iter().map(|column| column.width - share * can_give(column)).collect()
     }
 
-    fn builder<'b>(&self, ui: &'b mut Ui) -> TableBuilder<'b> {
+    /// Columns are resized at lines between them. These lines would cross the details of unfolded rows, and are left out there.
+    fn builder<'b>(&self, ui: &'b mut Ui, has_lines: bool) -> TableBuilder<'b> {
         let gaps = ui.spacing().item_spacing.x * self.columns.len().saturating_sub(1) as f32;
         let widths = self.widths(ui.available_width() - gaps);
         // Widths that were dragged are kept for a room of about this size.
@@ -211,7 +213,9 @@ impl<'a> Table<'a> {
             .cell_layout(Layout::left_to_right(Align::Center));
         for (index, width) in widths.into_iter().enumerate() {
             let is_last = index + 1 == self.columns.len();
-            let column = if is_last { Width::remainder() } else { Width::initial(width).resizable(true) };
+            // Numbers stay beside the others where the table is narrower than its room.
+            let fills = is_last && !self.columns[index].is_number;
+            let column = if fills { Width::remainder() } else { Width::initial(width).resizable(has_lines) };
             let least = if is_last { width } else { width.min(30.0) };
             builder = builder.column(column.at_least(least).clip(true));
         }

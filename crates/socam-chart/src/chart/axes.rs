@@ -65,6 +65,13 @@ pub(crate) fn steps(input: GridInput, apart: f32) -> [f64; 3] {
     steps.map(|step| step * decade)
 }
 
+/// The step between the numbers of an even axis from one end of a range to the other, which is `length` points long. All its numbers
+/// have the digits of this step, also where a number stands on a line of a coarser one: 23.90 beside 23.88.
+pub(super) fn step_of_numbers([low, high]: [f64; 2], length: f32, [lines, numbers]: [f32; 2]) -> f64 {
+    let base_step_size = (high - low).abs() / f64::from(length.max(1.0)) * f64::from(lines);
+    steps(GridInput { bounds: (low, high), base_step_size }, numbers / lines)[1]
+}
+
 /// Lines of an even grid.
 pub(super) fn even(input: GridInput, apart: f32) -> Vec<GridMark> {
     uniform_grid_spacer(move |input| steps(input, apart))(input)
@@ -207,6 +214,20 @@ mod tests {
         }
         assert_eq!(text(1_000_000.2, 0.2), "1000000.2");
         assert_eq!((text(2e6, 1e6), text(2e-7, 1e-7)), ("2.0e6".into(), "2.0e-7".into()));
+    }
+
+    /// The numbers of an axis have the same digits.
+    #[test]
+    fn numbers_of_an_axis_have_the_same_digits() {
+        let range = [23.87, 24.03];
+        let step = step_of_numbers(range, 140.0, [14.0, 17.5]);
+        assert!((step - 0.02).abs() < 1e-12, "{step}");
+        let input = GridInput { bounds: (range[0], range[1]), base_step_size: 14.0 * 0.16 / 140.0 };
+        let on_axis =
+            |mark: &GridMark| range[0] <= mark.value && mark.value <= range[1] && mark.step_size > 0.019;
+        let digits = |mark: GridMark| number(GridMark { step_size: step.min(mark.step_size), ..mark });
+        let texts: Vec<String> = even(input, 1.25).into_iter().filter(on_axis).map(digits).collect();
+        assert_eq!(texts, ["23.88", "23.90", "23.92", "23.94", "23.96", "23.98", "24.00", "24.02"]);
     }
 
     #[test]

@@ -1,9 +1,13 @@
 //! The plot of a chart: its axes, its grid, and the layers of its contents.
 
+use std::ops::RangeInclusive;
+
 use egui::{Sense, Shape, Ui, Vec2b};
 use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotResponse, PlotTransform};
 
-use super::axes::{at_an_end, decade, decades, even, number, shared_width, small, width_of_numbers};
+use super::axes::{
+    at_an_end, decade, decades, even, number, shared_width, small, step_of_numbers, width_of_numbers,
+};
 use super::layer::Layer;
 use super::{Backdrop, Chart, DIMMED, Scale, Style, X_AXIS, clock, marks};
 use crate::colours::{self, Colours};
@@ -123,7 +127,8 @@ impl Chart {
         let inside = |mark: &GridMark| (y[0]..=y[1]).contains(&mark.value);
         let wide = |mark: &GridMark| mark.step_size / per_point > f64::from(apart) - 0.1;
         let marks = lines(input, scale, apart).into_iter().filter(|mark| inside(mark) && (log || wide(mark)));
-        width_of_numbers(ui, marks.map(|mark| text(scale, mark)))
+        let step = step_of_numbers(y, self.height(), [LINES_APART, apart]);
+        width_of_numbers(ui, marks.map(|mark| text(scale, mark, step)))
     }
 
     /// The horizontal and the vertical axis with their numbers, for a plot of this width with so wide numbers.
@@ -132,21 +137,28 @@ impl Chart {
         let spacing = apart.map(|least: f32| egui::Rangef::new(least - 0.1, least));
         // The last number is left out near the right end: it would be cut off, or touch the numbers of the next chart.
         let length = width - axis_width;
-        let below = move |mark: GridMark, range: &_| {
+        let below = move |mark: GridMark, range: &RangeInclusive<f64>| {
             if at_an_end(mark.value, range, length, [0.0, 14.0]) {
                 String::new()
             } else {
-                text(scales[0], mark)
+                let step = step_of_numbers([*range.start(), *range.end()], length, [LINES_APART, apart[0]]);
+                text(scales[0], mark, step)
             }
         };
         let mut x_axis = AxisHints::new_x().formatter(below).label_spacing(spacing[0]);
         if !self.x_label.is_empty() {
             x_axis = x_axis.label(small(&self.x_label));
         }
-        let length = self.height();
-        // The lowest and highest numbers are left out near the ends, where those of the other axis or of the next chart are.
-        let beside = move |mark: GridMark, range: &_| {
-            if at_an_end(mark.value, range, length, [7.0; 2]) { String::new() } else { text(scales[1], mark) }
+        let (length, is_empty) = (self.height(), self.is_empty());
+        // The lowest and highest numbers are left out near the ends, where those of the other axis or of the next chart are. A chart
+        // without values has none: its range would be made up.
+        let beside = move |mark: GridMark, range: &RangeInclusive<f64>| {
+            if is_empty || at_an_end(mark.value, range, length, [7.0; 2]) {
+                String::new()
+            } else {
+                let step = step_of_numbers([*range.start(), *range.end()], length, [LINES_APART, apart[1]]);
+                text(scales[1], mark, step)
+            }
         };
         let y_axis = AxisHints::new_y().formatter(beside).min_thickness(axis_width).label_spacing(spacing[1]);
         [x_axis, y_axis]
@@ -168,11 +180,11 @@ pub(super) fn lines(input: GridInput, scale: Scale, apart: f32) -> Vec<GridMark>
     }
 }
 
-/// A number beside a line of the grid.
-pub(super) fn text(scale: Scale, mark: GridMark) -> String {
+/// A number beside a line of the grid; on an even axis with the digits of the `step` between its numbers.
+pub(super) fn text(scale: Scale, mark: GridMark, step: f64) -> String {
     match scale {
         Scale::Log => decade(mark),
-        Scale::Linear => number(mark),
+        Scale::Linear => number(GridMark { step_size: mark.step_size.min(step), ..mark }),
         Scale::Clock { at_zero_s } => clock::text(mark.value, at_zero_s, mark.step_size),
     }
 }

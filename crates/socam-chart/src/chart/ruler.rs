@@ -3,6 +3,7 @@
 use egui::{Align2, Rangef, Rect, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 use egui_plot::GridInput;
 
+use super::axes::step_of_numbers;
 use super::grid::{LINES_APART, lines, numbers_apart, text};
 use super::{Scale, X_AXIS};
 
@@ -49,12 +50,13 @@ fn numbers(range: [f64; 2], scale: Scale, points: f32) -> Vec<(f64, String)> {
     let per_point = (high - low) / f64::from(points);
     let input = GridInput { bounds: (low, high), base_step_size: per_point * f64::from(LINES_APART) };
     let least = per_point * f64::from(apart - 0.1);
+    let step = step_of_numbers([low, high], points, [LINES_APART, apart]);
     lines(input, scale, apart)
         .into_iter()
         .filter(|mark| {
             (low..=high - 14.0 * per_point).contains(&mark.value) && (is_log || mark.step_size > least)
         })
-        .map(|mark| ((mark.value - low) / (high - low), text(scale, mark)))
+        .map(|mark| ((mark.value - low) / (high - low), text(scale, mark, step)))
         .filter(|(_, text)| !text.is_empty())
         .collect()
 }

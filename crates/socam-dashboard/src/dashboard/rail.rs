@@ -10,11 +10,15 @@ use super::Dashboard;
 
 /// Views above which it stands.
 const VIEWS: [View; 4] = [View::Check, View::Identify, View::Diagnosis, View::Machine];
-/// Letters of a verdict that are shown; all of it is under the pointer.
-const LETTERS: usize = 40;
-/// The same in a window narrower than [`NARROW`] points, so that the steps stay in one row.
-const FEW_LETTERS: usize = 18;
-const NARROW: f32 = 900.0;
+/// Letters of a verdict that are shown, by the width of the window, points, so that the steps stay in one row; all of it is under the
+/// pointer.
+fn letters(width: f32) -> usize {
+    match width {
+        ..900.0 => 18,
+        ..1600.0 => 40,
+        _ => 100,
+    }
+}
 /// The command that records the next experiment, whose input signal the window has.
 const RECORD: &str = "socam-host record -o next.mcap --profile next.toml";
 
@@ -65,7 +69,7 @@ impl Dashboard {
             let said = format!("Step {}: {text}", step.name());
             egui::WidgetInfo::labeled(egui::Role::Button, true, said)
         });
-        let letters = if ui.max_rect().width() < NARROW { FEW_LETTERS } else { LETTERS };
+        let letters = letters(ui.max_rect().width());
         let words = if text.chars().count() > letters {
             text.chars().take(letters - 3).collect::<String>() + "..."
         } else {

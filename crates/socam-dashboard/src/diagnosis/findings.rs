@@ -7,7 +7,6 @@ use socam_findings::{Diagnosis, Proof};
 use socam_recording::ProfileFile;
 
 use socam_chart::numbers;
-use socam_chart::numbers::number;
 use socam_chart::table::heads;
 use socam_chart::theme;
 
@@ -28,7 +27,7 @@ pub(super) fn list(
             ui.label(&next.sentence);
             if !next.tells_apart.is_empty() {
                 ui.label(
-                    RichText::new(format!("tells apart {}", next.tells_apart.join(" and ")))
+                    RichText::new(format!("tells apart {}", apart(&next.tells_apart)))
                         .small()
                         .color(theme::weak(ui)),
                 );
@@ -71,6 +70,20 @@ pub(super) fn list(
         });
     }
     wanted
+}
+
+/// What an experiment tells apart, `effect@place` each, in words.
+fn apart(candidates: &[String]) -> String {
+    let in_words = |own: &String| match own.split_once('@') {
+        Some((effect, place)) => format!("{} at {place}", words::effect(effect)),
+        None => own.clone(),
+    };
+    candidates.iter().map(in_words).collect::<Vec<_>>().join(" and ")
+}
+
+/// A fall of chi-square: a unit is the scatter of one sample, so that whole numbers say enough of more than ten.
+fn fall(gain: f64) -> String {
+    if gain.abs() < 10.0 { format!("{gain:.1}") } else { format!("{gain:.0}") }
 }
 
 fn card(ui: &mut Ui, lit: bool, contents: impl FnOnce(&mut Ui)) {
@@ -118,7 +131,7 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, proof: Proof<'_>, se
         }
         let evidence = &finding.evidence;
         let chance = evidence.p_value.map(|p| format!("p-value {}", numbers::chance(Some(p))));
-        let gain = evidence.chi2_gain.map(|gain| format!("chi-square falls by {}", number(gain)));
+        let gain = evidence.chi2_gain.map(|gain| format!("chi-square falls by {}", fall(gain)));
         let text: Vec<String> = [chance, gain].into_iter().flatten().collect();
         if !text.is_empty() {
             ui.label(RichText::new(text.join(", ")).small().color(theme::weak(ui)));

@@ -1,26 +1,26 @@
 //! The result of an identification as tables.
 
-use egui::{Frame, Label, Margin, RichText, Sense, Stroke, Ui, vec2};
+use egui::{Frame, Label, Margin, RichText, ScrollArea, Sense, Stroke, Ui, vec2};
 
 use socam_chart::numbers;
 use socam_chart::numbers::number;
 use socam_chart::table::{self, Key, Table};
 use socam_chart::theme;
-use socam_workbench::identification::{Fit, Identification, Parameter, known};
+use socam_workbench::identification::{ChannelFit, Fit, Identification, Parameter, known};
 
 const COLUMNS: [table::Column; 6] = [
     table::text("parameter", 112.0),
     table::number("value", 84.0),
+    table::number("95 % interval", 176.0),
     table::text("unit", 74.0),
-    table::number("95 % interval", 184.0),
     table::text("", 112.0),
     table::text("what is known", 160.0),
 ];
 
 const FIT: [table::Column; 4] = [
-    table::text("channel", 150.0),
-    table::number("residual rms", 100.0),
-    table::number("noise", 100.0),
+    table::text("channel", 112.0),
+    table::number("residual rms, SI", 110.0),
+    table::number("noise, SI", 84.0),
     table::number("variance accounted for", 150.0),
 ];
 
@@ -29,7 +29,7 @@ pub(super) fn ui(ui: &mut Ui, shown: &Identification) -> bool {
     let wants_diagnosis = verdict(ui, shown);
     ui.add_space(4.0);
     let end = if shown.converged { "" } else { " (not converged)" };
-    ui.heading(format!("{} fitted by {}{end}", shown.model, shown.method));
+    ui.heading(format!("{} fitted by {}{end}", shown.model, shown.method.replace('-', " ")));
     ui.add(egui::Label::new(RichText::new(shown.recordings.join(", ")).color(theme::weak(ui))).wrap());
     for warning in &shown.warnings {
         ui.add(Label::new(RichText::new(warning).color(theme::alarm(ui))).wrap());
@@ -40,7 +40,7 @@ pub(super) fn ui(ui: &mut Ui, shown: &Identification) -> bool {
         ui.add_space(8.0);
         ui.strong("What would settle the rest");
         for advice in &shown.advice {
-            ui.label(advice);
+            ui.add(Label::new(advice).wrap());
         }
     }
     ui.add_space(8.0);
@@ -87,28 +87,39 @@ fn parameters(ui: &mut Ui, shown: &Identification) {
     let key = |parameter: &&Parameter, column: usize| match column {
         0 => parameter.name.as_str().into(),
         1 => parameter.value.into(),
-        2 => parameter.unit.as_str().into(),
-        3 => relative(parameter).into(),
+        2 => relative(parameter).into(),
+        3 => parameter.unit.as_str().into(),
         _ => Key::from(known(parameter).as_str()),
     };
-    Table::new("identified", &COLUMNS).show(ui, &rows, key, |ui, parameter, column| match column {
-        0 => drop(ui.strong(&parameter.name)),
-        1 => drop(ui.label(RichText::new(numbers::estimate(parameter.value, parameter.ci95)).monospace())),
-        2 => drop(ui.label(socam_plot::words::unit(&parameter.unit))),
-        3 => drop(ui.label(RichText::new(numbers::interval(parameter.value, parameter.ci95)).monospace())),
-        4 => {
-            if let Some(value) = parameter.value.filter(|_| parameter.source != "fixed") {
-                whisker(ui, value, parameter.ci95);
+    across(ui, "parameters", |ui| {
+        Table::new("identified", &COLUMNS).show(ui, &rows, key, |ui, parameter, column| match column {
+            0 => drop(ui.strong(&parameter.name)),
+            1 => {
+                drop(ui.label(RichText::new(numbers::estimate(parameter.value, parameter.ci95)).monospace()))
             }
-        }
-        _ => {
-            let colour = if parameter.value.is_some() { theme::weak(ui) } else { theme::alarm(ui) };
-            let text = known(parameter).replace("+-", "±");
-            if !text.is_empty() {
-                ui.label(RichText::new(&text).color(colour)).on_hover_text(text);
+            2 => {
+                drop(ui.label(RichText::new(numbers::interval(parameter.value, parameter.ci95)).monospace()))
             }
-        }
+            3 => drop(ui.label(socam_plot::words::unit(&parameter.unit))),
+            4 => {
+                if let Some(value) = parameter.value.filter(|_| parameter.source != "fixed") {
+                    whisker(ui, value, parameter.ci95);
+                }
+            }
+            _ => {
+                let colour = if parameter.value.is_some() { theme::weak(ui) } else { theme::alarm(ui) };
+                let text = known(parameter).replace("+-", "±");
+                if !text.is_empty() {
+                    ui.label(RichText::new(&text).color(colour)).on_hover_text(text);
+                }
+            }
+        });
     });
+}
+
+/// A table that is scrolled sideways where its room is narrow, so that what stands below it keeps the room's width.
+fn across(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
+    ScrollArea::horizontal().id_salt(name).auto_shrink([false, true]).show(ui, contents);
 }
 
 /// Half the interval relative to the value.
@@ -142,16 +153,14 @@ fn fit(ui: &mut Ui, title: &str, fit: &Fit, fitted: &Fit) {
     ui.strong(title);
     let noise = |name: &str| fitted.channels.get(name).map_or(f64::NAN, |channel| channel.noise());
     let rows: Vec<_> = fit.channels.iter().collect();
-    Table::new(title, &FIT).show(
-        ui,
-        &rows,
-        |(name, channel), column| match column {
-            0 => Key::from(name.as_str()),
-            1 => Some(channel.rms).into(),
-            2 => Some(noise(name)).into(),
-            _ => Some(channel.vaf_percent).into(),
-        },
-        |ui, (name, channel), column| {
+    let key = |(name, channel): &(&String, &ChannelFit), column: usize| match column {
+        0 => Key::from(name.as_str()),
+        1 => Some(channel.rms).into(),
+        2 => Some(noise(name)).into(),
+        _ => Some(channel.vaf_percent).into(),
+    };
+    across(ui, title, |ui| {
+        Table::new(title, &FIT).show(ui, &rows, key, |ui, (name, channel), column| {
             let text = match column {
                 0 => return drop(ui.label(name.as_str())),
                 1 => number(channel.rms),
@@ -159,6 +168,6 @@ fn fit(ui: &mut Ui, title: &str, fit: &Fit, fitted: &Fit) {
                 _ => format!("{:.3} %", channel.vaf_percent),
             };
             ui.label(RichText::new(text).monospace());
-        },
-    );
+        });
+    });
 }

@@ -6,6 +6,7 @@ use super::Live;
 use super::readings::{self, Reading};
 use socam_chart::chart::{self, Chart, Curve, Flag, Scale, Seen, Style, range_of};
 use socam_chart::theme;
+use socam_recording::{Channel, Unit};
 use socam_workbench::about::Happening;
 use socam_workbench::connection::{Connection, Link};
 
@@ -66,8 +67,7 @@ impl Live {
             let is_last = index + 1 == buffer.channels().len();
             let size = vec2(width, if is_last { height + chart::X_AXIS } else { height });
             let parts = buffer.line(index, &blocks);
-            let mut drawing =
-                Chart::new(("live", index), format!("{}, {}", channel.name, channel.unit), size);
+            let mut drawing = Chart::new(("live", index), title(channel), size);
             drawing.x = x;
             drawing.x_label = if is_last { TIME.into() } else { String::new() };
             let range = range_of(parts.iter().flatten().map(|point| point[1]));
@@ -129,6 +129,15 @@ impl Live {
             }
         }
         gaps
+    }
+}
+
+/// Name and unit of a channel; a plain number, as of a device that states no unit, has none.
+fn title(channel: &Channel) -> String {
+    if channel.unit == Unit::One {
+        channel.name.clone()
+    } else {
+        format!("{}, {}", channel.name, channel.unit)
     }
 }
 

@@ -4,6 +4,7 @@ use egui::{Align2, FontId, Pos2, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::Live;
 use socam_chart::theme;
+use socam_recording::Unit;
 use socam_workbench::connection::Connection;
 
 /// Time between two pictures of the numbers, s: faster ones cannot be read.
@@ -54,7 +55,7 @@ pub(super) fn draw(ui: &mut Ui, channel: &socam_recording::Channel, reading: &Re
     let decimals = decimals(reading);
     let number = |value: f32| rounded(value, decimals);
     let value = if reading.value.is_finite() { number(reading.value) } else { "none".into() };
-    let unit = channel.unit.to_string();
+    let unit = if channel.unit == Unit::One { String::new() } else { channel.unit.to_string() };
     let is_wide = size.x > 150.0;
     let large = if is_wide { (0.28 * size.y).clamp(20.0, 34.0) } else { 17.0 };
     let painter = ui.painter_at(rect);
