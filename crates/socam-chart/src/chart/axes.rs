@@ -220,9 +220,9 @@ mod tests {
     #[test]
     fn numbers_of_an_axis_have_the_same_digits() {
         let range = [23.87, 24.03];
-        let step = step_of_numbers(range, 140.0, [14.0, 17.5]);
+        let step = step_of_numbers(range, 150.0, [14.0, 17.5]);
         assert!((step - 0.02).abs() < 1e-12, "{step}");
-        let input = GridInput { bounds: (range[0], range[1]), base_step_size: 14.0 * 0.16 / 140.0 };
+        let input = GridInput { bounds: (range[0], range[1]), base_step_size: 14.0 * 0.16 / 150.0 };
         let on_axis =
             |mark: &GridMark| range[0] <= mark.value && mark.value <= range[1] && mark.step_size > 0.019;
         let digits = |mark: GridMark| number(GridMark { step_size: step.min(mark.step_size), ..mark });
