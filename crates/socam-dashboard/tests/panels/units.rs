@@ -7,14 +7,16 @@ use socam_dashboard::spectra::ChartType;
 use socam_dashboard::{Dashboard, View};
 use socam_workbench::arrangement::Arrangement;
 use socam_workbench::display_units::DisplayUnits;
+use socam_workbench::signal::Signal;
 
 use crate::clicks::{until, window};
 use crate::sample;
 
-/// Shows speeds in rpm.
+/// Shows speeds in rpm, and that of the motor in deg/s.
 fn in_rpm(mut dashboard: Dashboard) -> Dashboard {
     let mut units = DisplayUnits::default();
     units.choose_for_all("rad/s", "rpm");
+    units.choose_for_one(&Signal { name: "motor_speed".into(), unit: "rad/s".into() }, "deg/s");
     dashboard.views.time.arrange(&Arrangement { units, ..Arrangement::default() });
     dashboard
 }
@@ -36,10 +38,10 @@ fn spectra_responses_and_residuals_are_in_the_chosen_unit() {
     let mut window = crate::clicks::window(dashboard);
     until(&mut window, "spectra", |window| !window.state().is_busy());
     window.run_steps(2);
-    window.get_by_label("Chart motor_speed, rpm per sqrt(Hz)");
+    window.get_by_label("Chart motor_speed, deg/s per sqrt(Hz)");
     window.state_mut().views.frequency.kind = ChartType::Response;
     window.run_steps(2);
     until(&mut window, "a response", |window| !window.state().is_busy());
     window.run_steps(2);
-    window.get_by_label_contains("Chart |torque_out / command|, (N m)/(V)");
+    window.get_by_label("Chart |output_speed / motor_speed|, (rpm)/(deg/s)");
 }
