@@ -121,21 +121,8 @@ impl<'d> Window<'d> {
     }
 
     fn is(&self, state: &str) {
-        self.is_of(&self.id, &format!("socam: {state}"));
-    }
-
-    /// Waits until a window has a title.
-    fn is_of(&self, id: &str, expected: &str) {
-        let title = || self.display.xdotool(&["getwindowname", id]);
-        until(&format!("{expected}; it is {}", title()), || title() == expected);
-    }
-
-    /// Gives the Live view a window of its own, and that window the keyboard.
-    fn open_second(&self) -> String {
-        self.keys("ctrl+shift+o");
-        let find = || self.display.xdotool(&["search", "--name", "^socam: Live, idle$"]);
-        until("a second window", || !find().is_empty());
-        find()
+        let title = || self.display.xdotool(&["getwindowname", &self.id]);
+        until(&format!("{state}; it is {}", title()), || title() == format!("socam: {state}"));
     }
 
     fn keys(&self, keys: &str) {
@@ -202,27 +189,6 @@ fn the_bench_is_armed_run_and_stopped_and_no_dialog_delays_the_emergency_stop() 
         );
         assert_eq!(command, 0.0, "{name}");
     }
-}
-
-#[test]
-fn the_emergency_stop_of_a_second_window_stops_the_bench() {
-    let Some(display) = Display::start() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let window = Window::open(&display, folder.path());
-    let second = window.open_second();
-    let run = || {
-        display.xdotool(&["windowfocus", "--sync", &window.id]);
-        window.run();
-        window.is_of(&second, "socam: Live, running, recording");
-    };
-    run();
-    display.xdotool(&["windowfocus", "--sync", &second]);
-    window.keys("Escape");
-    window.is("in fault");
-    window.is_of(&second, "socam: Live, in fault");
-    let (events, command) = recorded(&folder.path().join("run-1.mcap"));
-    assert!(says(&events, "stop", "at once") && says(&events, "fault", "emergency stop"), "{events:?}");
-    assert_eq!(command, 0.0);
 }
 
 #[test]
