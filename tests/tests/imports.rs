@@ -77,8 +77,13 @@ fn crates() -> Vec<(String, PathBuf)> {
     folders.map(|folder| (name(&folder), folder)).collect()
 }
 
-/// The sources of a crate.
+/// The files of a crate.
 fn files(folder: &Path) -> Files {
+    Files::new(sources(folder))
+}
+
+/// The sources of a crate: paths within its source folder, and their texts.
+fn sources(folder: &Path) -> Vec<(String, String)> {
     fn collect(root: &Path, folder: &Path, found: &mut Vec<(String, String)>) {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
@@ -92,7 +97,7 @@ fn files(folder: &Path) -> Files {
     }
     let mut found = Vec::new();
     collect(&folder.join("src"), &folder.join("src"), &mut found);
-    Files::new(found)
+    found
 }
 
 #[test]
@@ -107,6 +112,45 @@ fn files_import_each_other_in_no_circle() {
     assert!(
         problems.is_empty(),
         "files that import from each other, in a circle; move what both need into a file of its own:\n{}",
+        problems.join("\n")
+    );
+}
+
+/// Crates whose sentences the window and Python show as they are.
+const NO_OPTIONS: [&str; 8] = [
+    "socam-builder",
+    "socam-diagnose",
+    "socam-findings",
+    "socam-frequency",
+    "socam-identify",
+    "socam-model",
+    "socam-monitoring",
+    "socam-response",
+];
+
+#[test]
+fn sentences_of_libraries_name_no_option_of_the_command_line() {
+    let mut problems = Vec::new();
+    for (name, folder) in crates().into_iter().filter(|(name, _)| NO_OPTIONS.contains(&name.as_str())) {
+        for (file, text) in sources(&folder) {
+            for (number, line) in text.lines().enumerate() {
+                let is_said = !line.trim_start().starts_with("//");
+                // A file that is written tells the commands that read it.
+                let is_comment = line.contains("# Written by `socam-host");
+                let mut words = line.split([' ', '(', '`', '"']);
+                let is_option = |word: &str| {
+                    word.strip_prefix("--")
+                        .is_some_and(|name| name.starts_with(|c: char| c.is_ascii_lowercase()))
+                };
+                if is_said && !is_comment && words.any(is_option) {
+                    problems.push(format!("{name}/src/{file}:{}: {}", number + 1, line.trim()));
+                }
+            }
+        }
+    }
+    assert!(
+        problems.is_empty(),
+        "say what is needed; the command line, the window and Python name their own option, field or keyword:\n{}",
         problems.join("\n")
     );
 }

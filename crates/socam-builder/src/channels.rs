@@ -28,18 +28,18 @@ impl Machine {
         columns: Option<&[String]>,
     ) -> Result<(), DescribeError> {
         let example = self.nodes.first().map_or("motor", |node| &node.name).to_owned();
-        let offer = |option: &str, quantity: &str| {
+        let offer = |what: &str, quantity: &str, free: &str| {
             let list = columns.map_or(String::new(), |all| format!("; its columns are {}", all.join(", ")));
-            let free = if option == "--drive" { ", or --drive none where it swings freely" } else { "" };
             Err(DescribeError::Machine(format!(
-                "{option} is missing: say it as in {option} {quantity}@{example}:COLUMN{free}{list}"
+                "{what} is missing: say it as in {quantity}@{example}:COLUMN{free}{list}"
             )))
         };
         if drives.is_empty() {
-            return offer("--drive", if self.rotational { "torque" } else { "force" });
+            let quantity = if self.rotational { "torque" } else { "force" };
+            return offer("what drives it", quantity, ", or as none where it swings freely");
         }
         if measures.is_empty() {
-            return offer("--measure", "speed");
+            return offer("what is measured", "speed", "");
         }
         let is_free = matches!(drives, [only] if only == NOTHING);
         for text in drives.iter().filter(|_| !is_free) {
@@ -162,7 +162,7 @@ impl Machine {
                     Ok(Channel { at: winding.name.clone(), ..output("current") })
                 }
                 _ => Err(spec.wrong(
-                    "a current is predicted only of a motor that a voltage drives; as the drive write --drive current@motor:COLUMN",
+                    "a current is predicted only of a motor that a voltage drives; as the drive write current@motor:COLUMN",
                 )),
             },
             other => Err(spec.wrong(format!(

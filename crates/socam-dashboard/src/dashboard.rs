@@ -66,6 +66,8 @@ pub struct Dashboard {
     stop_button: egui::Rect,
     /// The file that the picture of this pass is written to.
     exporting: Option<PathBuf>,
+    /// Scripts that no font has.
+    pub(crate) letters: platform::Letters,
     /// Parts that only this platform has.
     pub(crate) own: platform::Own,
 }
@@ -104,6 +106,7 @@ impl Dashboard {
             apart: Vec::new(),
             stop_button: egui::Rect::NOTHING,
             exporting: None,
+            letters: platform::Letters::default(),
             own: platform::Own::default(),
         }
     }
@@ -128,6 +131,23 @@ impl Dashboard {
         theme::apply(ctx, self.layout.look);
         ctx.set_zoom_factor(self.layout.zoom);
         crate::layout::set_panels(ctx, &self.layout.panels);
+    }
+
+    /// Looks for scripts that no font has; called once per window that has fonts of the system.
+    pub fn look_for_letters(&self, ctx: &egui::Context) {
+        self.letters.listen(ctx);
+    }
+
+    /// Says, once for each, which scripts cannot be drawn.
+    pub fn say_missing_letters(&mut self) {
+        if let Some(sentence) = self.missing_letters() {
+            self.say(sentence);
+        }
+    }
+
+    /// Scripts that cannot be drawn, in one sentence; each is named once.
+    pub fn missing_letters(&self) -> Option<String> {
+        self.letters.sentence()
     }
 
     /// Takes the system's look, until the user chooses one.

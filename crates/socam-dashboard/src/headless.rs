@@ -19,7 +19,8 @@ pub struct Viewport {
 /// Number of passes until the layout does not change any more.
 const PASSES: usize = 5;
 
-/// Draws the dashboard once all files are open; the same state gives the same bytes.
+/// Draws the dashboard once all files are open; the same state gives the same bytes on the same computer. Letters that the window's own
+/// fonts lack are drawn by fonts of the system.
 ///
 /// # Errors
 /// When files are still being opened after `patience`; one sentence.
@@ -29,8 +30,29 @@ pub fn picture(
     patience: Duration,
 ) -> Result<ColorImage, String> {
     let ctx = egui::Context::default();
-    dashboard.set_up(&ctx);
-    crate::platform::add_letters(&ctx);
+    dashboard.letters.by_the_system(&ctx);
+    draw(&ctx, dashboard, viewport, patience)
+}
+
+/// As [`picture`], with the window's own fonts only: the same state gives the same bytes on every computer.
+///
+/// # Errors
+/// As [`picture`].
+pub fn picture_by_own_fonts(
+    dashboard: &mut Dashboard,
+    viewport: Viewport,
+    patience: Duration,
+) -> Result<ColorImage, String> {
+    draw(&egui::Context::default(), dashboard, viewport, patience)
+}
+
+fn draw(
+    ctx: &egui::Context,
+    dashboard: &mut Dashboard,
+    viewport: Viewport,
+    patience: Duration,
+) -> Result<ColorImage, String> {
+    dashboard.set_up(ctx);
     let mut raster = Raster::default();
     let begin = Instant::now();
     let mut passes = 0;
@@ -48,7 +70,7 @@ pub fn picture(
         if passes >= PASSES {
             let size = viewport.size.map(|points| (points * viewport.scale).round() as usize);
             let ground = ctx.global_style().visuals.panel_fill;
-            return Ok(raster.draw(&ctx, output.shapes, output.pixels_per_point, size, ground));
+            return Ok(raster.draw(ctx, output.shapes, output.pixels_per_point, size, ground));
         }
     }
 }

@@ -30,7 +30,7 @@ pub mod spectra;
 pub mod platform;
 
 pub use dashboard::Dashboard;
-pub use headless::{Viewport, picture};
+pub use headless::{Viewport, picture, picture_by_own_fonts};
 pub use layout::Layout;
 pub use platform::Views;
 pub use progress::wake;

@@ -3,6 +3,7 @@
 use egui::{ComboBox, Ui};
 use socam_model::{BUILTIN, Model};
 use socam_workbench::Workspace;
+use socam_workbench::origin::numbered;
 use socam_workbench::setup::is_built_in;
 
 use crate::together::level;
@@ -15,25 +16,24 @@ pub(crate) fn ui(ui: &mut Ui, workspace: &Workspace) -> Option<Model> {
     ui.horizontal_wrapped(|ui| {
         level(ui);
         let label = ui.label("Model");
-        let shown = ComboBox::from_id_salt("model").width(230.0).selected_text(title(model));
+        let others: Vec<&Model> = known.iter().filter(|other| !is_built_in(other)).collect();
+        let titles = numbered(others.iter().map(|other| workspace.origins.title(other)).collect());
+        let own = others.iter().position(|other| other.text == model.text);
+        let own = own.map_or_else(|| workspace.origins.title(model), |at| titles[at].clone());
+        let shown = ComboBox::from_id_salt("model").width(230.0).selected_text(own);
         let shown = shown.show_ui(ui, |ui| {
             for (name, text) in BUILTIN {
                 if ui.selectable_label(model.text == *text, format!("{name}, built in")).clicked() {
                     wanted = Model::builtin(name);
                 }
             }
-            for other in known.iter().filter(|other| !is_built_in(other)) {
-                if ui.selectable_label(model.text == other.text, title(other)).clicked() {
-                    wanted = Some(other.clone());
+            for (other, title) in others.iter().zip(titles) {
+                if ui.selectable_label(model.text == other.text, title).clicked() {
+                    wanted = Some((*other).clone());
                 }
             }
         });
         shown.response.labelled_by(label.id).on_hover_text("A model file is opened with Ctrl+O");
     });
     wanted
-}
-
-fn title(model: &Model) -> String {
-    let kind = if is_built_in(model) { "built in" } else { "from a file or a fit" };
-    format!("{}, {kind}", model.name)
 }

@@ -114,7 +114,7 @@ fn cautions(inputs: &Inputs<'_>, findings: &[Finding]) -> Vec<String> {
         _ => "each recording was left out in turn",
     };
     match inputs.held_out {
-        Outcome::NothingHeldOut if !findings.is_empty() => all.push(format!("no recording was held out, so that nothing here is proven: findings rest on cross-validation ({how}); name one with --holdout")),
+        Outcome::NothingHeldOut if !findings.is_empty() => all.push(format!("no recording was held out, so that nothing here is proven: findings rest on cross-validation ({how}); hold one out")),
         Outcome::Unusable(why) => all.push(format!("the held-out recordings prove nothing: {why}; findings rest on cross-validation ({how})")),
         _ => {}
     }
@@ -132,7 +132,7 @@ fn cautions(inputs: &Inputs<'_>, findings: &[Finding]) -> Vec<String> {
         all.extend(context.training.first().and_then(|first| unread::sentence(&path.base.model, first)));
     }
     if path.effects() >= context.options.most_effects && left > EXCESS {
-        all.push(format!("stopped after {} effects, the most that --most allows", path.terms.len()));
+        all.push(format!("stopped after {} effects, the greatest number that was allowed", path.terms.len()));
     }
     all
 }

@@ -65,7 +65,7 @@ impl Path {
             };
             sentences.extend(found.map(|found| {
                 format!(
-                    "`{name}` is stated to be {stated} between its samples, but {found}: leave it open (--between {name}=auto)"
+                    "`{name}` is stated to be {stated} between its samples, but {found}: leave open how it moves between its samples"
                 )
             }));
         }

@@ -45,7 +45,7 @@ pub enum Tone {
 pub struct Headline {
     /// Kind, for colour and sign.
     pub tone: Tone,
-    /// One line without a full stop: what is missing and where, with all explanations that tie.
+    /// One line without a full stop: what is missing and where, with all explanations that tie where there is one finding.
     pub title: String,
     /// One line for each finding, in their order.
     pub claims: Vec<Claim>,
@@ -106,9 +106,14 @@ fn title(diagnosis: &Diagnosis, tone: Tone) -> String {
         .iter()
         .filter(|finding| finding.counts())
         .partition(|finding| finding.effect == UNEXPLAINED);
-    let named: Vec<String> = named.into_iter().map(|finding| claim::what(diagnosis, finding)).collect();
+    // Each claim has all of a finding's competing models.
+    let said = |all: Vec<&Finding>| -> Vec<String> {
+        let one = if all.len() > 1 { claim::brief } else { claim::what };
+        all.into_iter().map(|finding| one(diagnosis, finding)).collect()
+    };
+    let named = said(named);
     let ordinary = diagnosis.findings.iter().filter(|finding| finding.evidence.ordinary.is_some());
-    let ordinary: Vec<String> = ordinary.map(|finding| claim::what(diagnosis, finding)).collect();
+    let ordinary = said(ordinary.collect());
     let places: Vec<String> = nameless.into_iter().map(|finding| finding.location.clone()).collect();
     let places = words::list(&places, "and");
     let at = if places.is_empty() { String::new() } else { format!(" at {places}") };

@@ -52,6 +52,17 @@ impl Line {
         (self.variance * q * (0.05_f64.powf(-1.0 / q) - 1.0)).sqrt()
     }
 
+    /// Coherence below which the 95 % confidence circle would hold zero, were the noise larger by a factor and all else as it is;
+    /// `None` for a line without noise.
+    #[must_use]
+    pub fn threshold_coherence(&self) -> Option<f64> {
+        // Power of noise over power of signal; the variance is in proportion to it.
+        let noise = 1.0 / self.coherence - 1.0;
+        let factor = self.response.norm_sqr() / self.radius().powi(2);
+        let threshold = 1.0 / (1.0 + noise * factor);
+        (threshold > 0.0 && threshold < 1.0).then_some(threshold)
+    }
+
     /// 95 % interval of the magnitude.
     #[must_use]
     pub fn magnitude_ci95(&self) -> [f64; 2] {

@@ -266,7 +266,7 @@ fn start_at_rest(model: &Model) -> Result<(), IdentifyError> {
         None => Err(IdentifyError::Unsuited {
             method: "a start from equilibrium",
             model: model.name.clone(),
-            why: "nothing holds its position, so that it has no state of rest; let the start state be fitted (--start free)"
+            why: "nothing holds its position, so that it has no state of rest; let the start state be fitted"
                 .into(),
         }),
     }

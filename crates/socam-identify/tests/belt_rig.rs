@@ -218,5 +218,8 @@ fn a_start_at_rest_needs_a_state_of_rest() {
     let data = [Dataset::from_columns("axis", channels, time_s, columns).unwrap()];
     let options = Options { start_state: StartState::Equilibrium, ..Options::default() };
     let refused = Problem::new(&axis, &data, options).unwrap_err().to_string();
-    assert!(refused.contains("no state of rest") && refused.contains("--start free"), "{refused}");
+    assert!(
+        refused.contains("no state of rest") && refused.contains("let the start state be fitted"),
+        "{refused}"
+    );
 }

@@ -78,6 +78,8 @@ struct ProposedClock {
     assumed: Option<String>,
     times: Option<Times>,
     stamps: Stamps,
+    /// Where no signal has the times: that one which is named as a time begins anew, in words.
+    restarts: Option<String>,
     /// Seconds by which this clock seems to be early, and why.
     offset: Option<(f64, String)>,
 }

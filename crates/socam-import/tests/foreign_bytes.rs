@@ -164,9 +164,7 @@ fn a_bus_without_a_dbc_asks_for_one() {
     let (name, content) = logs().into_iter().find(|(name, _)| *name == "drive.log").unwrap();
     let error = read(folder.path(), name, &content).unwrap_err().to_string();
     assert!(
-        error.contains(
-            "name the DBC by `--dbc FILE` or in a mapping ([can] dbc = \"FILE\"), or put it beside the log"
-        ),
+        error.contains("put the DBC beside the log, or name it, as in a mapping ([can] dbc = \"FILE\")"),
         "{error}"
     );
     for other in ["a.dbc", "b.DBC"] {

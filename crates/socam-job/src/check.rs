@@ -72,8 +72,7 @@ fn require_common_ground(data: &Dataset, model: &Model) -> Result<()> {
     let held: Vec<String> = data.channels().iter().map(Channel::column_name).collect();
     Err(JobError::OtherModel {
         problem: format!(
-            "`{}` has none of the channels that the model {} reads ({}); it has {}; choose its model (--model), or name its \
-             input (--input)",
+            "`{}` has none of the channels that the model {} reads ({}); it has {}; choose its model, or name its input",
             data.name(),
             model.name,
             read.join(", "),

@@ -138,7 +138,7 @@ impl Diagnose {
         }
         if tables > 0 && !holdout.is_empty() {
             return refused(
-                "--holdout is for recordings over time; of steady states each point is left out in turn",
+                "recordings over time are held out; of steady states each point is left out in turn",
             );
         }
         if tables > 0 {

@@ -114,7 +114,7 @@ const SEARCH_SHARE: f64 = 0.9;
 
 /// Message about an option that only methods over time use.
 pub const NOT_OVER_FREQUENCY: &str =
-    " belongs to --method output-error; a method over frequency does not use it";
+    " belongs to the method output-error; a method over frequency does not use it";
 
 /// The result of an identification.
 #[derive(Debug)]
@@ -277,10 +277,7 @@ pub fn fitted(model: &Model, recordings: &[Dataset], options: &Options) -> Resul
 fn in_words(model: &Model, error: IdentifyError) -> JobError {
     match error {
         IdentifyError::Recording(error @ RecordingError::NoSuchChannel { .. }) => JobError::OtherModel {
-            problem: format!(
-                "{error}; the model {} needs it (another model is chosen with --model)",
-                model.name
-            ),
+            problem: format!("{error}; the model {} needs it: choose the model of this bench", model.name),
         },
         error => error.into(),
     }

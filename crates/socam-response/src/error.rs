@@ -31,7 +31,7 @@ pub enum ResponseError {
     },
     /// A channel whose values are no linear function of its column.
     #[error(
-        "the channel {channel} takes a wave of its column, which has no frequency response; use --method output-error"
+        "the channel {channel} takes a wave of its column, which has no frequency response; fit the output error instead"
     )]
     Wave {
         /// Name of the channel.

@@ -207,7 +207,7 @@ pub(crate) fn bias(segments: &[Segment], input: Signal<'_>) -> Option<String> {
     let input = input.name();
     (!segments.iter().all(Segment::has_reference)).then(|| {
         format!(
-            "no column tells what made {input} (`{COMMAND}`, or --reference COLUMN); where the signals do not repeat, noise of {input}'s sensor makes the response too small"
+            "no column tells what made {input} (`{COMMAND}`, or another reference); where the signals do not repeat, noise of {input}'s sensor makes the response too small"
         )
     })
 }

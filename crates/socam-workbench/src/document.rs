@@ -44,7 +44,7 @@ pub fn open(path: &str, read: Read, handle: &Handle) -> Result<Document, String>
         let answer = place.join("diagnosis.json");
         if !answer.is_file() {
             return Err(format!(
-                "{path} is a folder without diagnosis.json; open a file, or the folder that `diagnose --report` wrote"
+                "{path} is a folder without diagnosis.json; open a file, or the folder of a report"
             ));
         }
         return open(&answer.display().to_string(), read, handle);

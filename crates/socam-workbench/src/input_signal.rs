@@ -36,8 +36,10 @@ pub struct Settings {
     pub offset_v: f64,
     /// Level of the constant, V.
     pub level_v: f64,
-    /// Duration, s.
+    /// Duration of the sine and the constant, s.
     pub duration_s: f64,
+    /// Duration that somebody chose, s: that of whichever built-in signal is chosen next, too.
+    pub chosen_duration_s: Option<f64>,
 }
 
 impl Default for Settings {
@@ -49,11 +51,36 @@ impl Default for Settings {
             offset_v: 1.2,
             level_v: 1.0,
             duration_s: 10.0,
+            chosen_duration_s: None,
         }
     }
 }
 
 impl Settings {
+    /// Duration of the signal, s.
+    fn length_s(&self) -> f64 {
+        match &self.kind {
+            SignalShape::Other(_, file) => file.duration_s,
+            SignalShape::Sine | SignalShape::Constant => self.duration_s,
+        }
+    }
+
+    /// Notes a duration that was changed, and gives a signal that was chosen instead of `before` the one that was chosen for that.
+    fn keep_duration(&mut self, before: &Self) {
+        let is_same = match (&self.kind, &before.kind) {
+            (SignalShape::Other(name, _), SignalShape::Other(other, _)) => name == other,
+            (own, other) => own == other,
+        };
+        if is_same && self.length_s() != before.length_s() {
+            self.chosen_duration_s = Some(self.length_s());
+        }
+        let Some(chosen_s) = self.chosen_duration_s.filter(|_| !is_same) else { return };
+        match &mut self.kind {
+            SignalShape::Other(_, file) => file.duration_s = chosen_s,
+            SignalShape::Sine | SignalShape::Constant => self.duration_s = chosen_s,
+        }
+    }
+
     /// Limits all settings. Returns a note on what was limited, if anything.
     pub fn limit(&mut self) -> Option<String> {
         let before = self.clone();
@@ -166,6 +193,7 @@ impl Signal {
     /// Changes the settings within the limits; the change can be undone.
     pub fn change(&mut self, mut settings: Settings) {
         let note = settings.limit();
+        settings.keep_duration(&self.settings);
         if settings != self.settings {
             self.done.push(std::mem::replace(&mut self.settings, settings));
             if self.done.len() > REMEMBERED {
@@ -184,7 +212,9 @@ impl Signal {
     /// When a board would refuse the profile; one sentence.
     pub fn take(&mut self, file: &ProfileFile) -> Result<(), String> {
         file.profile(1000).map_err(|error| error.to_string())?;
-        let mut settings = Settings { duration_s: file.duration_s, ..self.settings.clone() };
+        // An opened profile has a duration of its own.
+        let mut settings =
+            Settings { duration_s: file.duration_s, chosen_duration_s: None, ..self.settings.clone() };
         settings.kind = match file.waveform {
             Waveform::Sine { offset, amplitude, frequency_hz, periods: None }
                 if file.command == Command::Voltage =>
@@ -203,6 +233,7 @@ impl Signal {
         if limited.limit().is_some() {
             settings = Settings {
                 kind: SignalShape::Other("opened profile".into(), file.clone()),
+                chosen_duration_s: None,
                 ..self.settings.clone()
             };
         }
@@ -314,6 +345,28 @@ mod tests {
         assert!((amplitude(&steps).0 - 0.85).abs() < 1e-12);
         let line = preview(&steps, 100).unwrap();
         assert!((largest(&line) - 0.85).abs() < 0.01, "{}", largest(&line));
+    }
+
+    #[test]
+    fn a_duration_that_was_chosen_stays_with_the_next_signal() {
+        let mut signal = Signal::default();
+        signal.take_built_in("multisine").unwrap();
+        assert_eq!(signal.settings.length_s(), 20.0, "its own");
+        let SignalShape::Other(name, mut file) = signal.settings.kind.clone() else { panic!() };
+        file.duration_s = 40.0;
+        signal.change(Settings { kind: SignalShape::Other(name, file), ..signal.settings.clone() });
+        signal.take_built_in("prbs").unwrap();
+        assert_eq!(signal.settings.length_s(), 40.0);
+        signal.change(Settings { kind: SignalShape::Sine, ..signal.settings.clone() });
+        assert_eq!(signal.settings.length_s(), 40.0);
+        signal.change(Settings { duration_s: 5.0, ..signal.settings.clone() });
+        signal.take_built_in("steps").unwrap();
+        assert_eq!(signal.settings.length_s(), 5.0);
+        // A file that is opened states its own.
+        signal.take(&ProfileFile::open("chirp").unwrap()).unwrap();
+        assert_eq!(signal.settings.length_s(), 20.0);
+        (0..3).for_each(|_| signal.undo());
+        assert_eq!((&signal.settings.kind, signal.settings.length_s()), (&SignalShape::Sine, 40.0));
     }
 
     #[test]

@@ -27,6 +27,7 @@ pub mod model_history;
 pub mod motion;
 pub mod new_model;
 pub mod next_run;
+pub mod origin;
 pub mod purpose;
 pub mod queue;
 pub mod rail;

@@ -30,6 +30,9 @@ pub struct Session {
     /// Cursors A and B, s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cursors_s: Option<[f64; 2]>,
+    /// The range of time that is fitted of each recording, s; all of it without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fit_range_s: Option<[f64; 2]>,
     /// Plots, hidden and derived channels, units.
     pub layout: Arrangement,
     /// Text of the model's file.
@@ -192,6 +195,7 @@ mod tests {
                 results: Vec::new(),
                 range_s: None,
                 cursors_s: None,
+                fit_range_s: None,
                 layout: Arrangement::default(),
                 model: None,
             };
@@ -212,6 +216,7 @@ mod tests {
             results: vec!["fit.json".into()],
             range_s: Some([0.0, 1.0]),
             cursors_s: None,
+            fit_range_s: Some([0.25, 0.75]),
             layout: Arrangement::default(),
             model: None,
         };

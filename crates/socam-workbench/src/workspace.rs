@@ -13,6 +13,7 @@ use crate::entry::Entry;
 use crate::input_signal::Signal;
 use crate::job::Wake;
 use crate::next_run::NextRun;
+use crate::origin::{Origin, Origins};
 use crate::purpose::Purpose;
 use crate::queue::Batch;
 use crate::rail::Rail;
@@ -106,6 +107,8 @@ pub struct Workspace {
     model: Model,
     /// The models that were used before.
     models: Vec<Model>,
+    /// Where models came from.
+    pub origins: Origins,
     /// Set-up of the next identification or diagnosis.
     pub setup: Setup,
     /// Counts the models that have been set; results that depend on the model are kept with it.
@@ -149,6 +152,7 @@ impl Workspace {
             entries: Vec::new(),
             model,
             models: Vec::new(),
+            origins: Origins::default(),
             setup: Setup::default(),
             revision: 0,
             requests: Vec::new(),
@@ -192,6 +196,7 @@ impl Workspace {
     /// Replaces the model by an edited one: the one before is not listed among those that were used.
     pub fn edit_model(&mut self, model: Model) {
         self.models.retain(|known| known.text != model.text);
+        self.origins.note(&model, Origin::Change);
         self.model = model;
         self.revision += 1;
     }

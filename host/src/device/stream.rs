@@ -75,7 +75,7 @@ fn why_not_open(path: &str, error: &serialport::Error) -> String {
                 serialport::available_ports().unwrap_or_default().into_iter().map(|port| port.port_name);
             let names: Vec<String> = names.collect();
             let known = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-            format!("there is no such line; here are: {known} (the board on USB is found by --device serial)")
+            format!("there is no such line; here are: {known} (the address `serial` finds the board on USB)")
         }
     }
 }

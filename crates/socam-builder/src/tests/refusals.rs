@@ -85,14 +85,15 @@ fn what_is_not_understood_is_refused_in_one_sentence() {
             axis,
             torque,
             "current@motor",
-            "`current@motor`: a current is predicted only of a motor that a voltage drives; as the drive write --drive current@motor:COLUMN",
+            "`current@motor`: a current is predicted only of a motor that a voltage drives; as the drive write current@motor:COLUMN",
         ),
     ];
     for (chain, drive, measure, expected) in cases {
         assert_eq!(described(chain, &[drive], &[measure], None).unwrap_err(), *expected);
     }
     let missing = described(axis, &[], &[], None).unwrap_err();
-    let expected = "--drive is missing: say it as in --drive torque@motor:COLUMN, or --drive none where it swings freely";
+    let expected =
+        "what drives it is missing: say it as in torque@motor:COLUMN, or as none where it swings freely";
     assert_eq!(missing, expected);
     assert!(described(axis, &["none"], &["speed@load"], None).is_ok());
 }

@@ -39,13 +39,15 @@ impl Dashboard {
                         arrow(ui);
                     }
                     if self.step(ui, step, &self.workspace.rail.verdict(step, &shown)) {
-                        wanted = Some(step.view());
+                        wanted = Some(step);
                     }
                 }
             });
         });
-        if let Some(view) = wanted {
-            self.layout.view = view;
+        let Some(step) = wanted else { return };
+        self.layout.view = step.view();
+        if step == Step::RecordNext {
+            self.views.seek_next();
         }
     }
 

@@ -62,6 +62,10 @@ impl Pane {
             let signals: Vec<String> = self.columns.columns.iter().map(|own| own.signal.clone()).collect();
             for (number, clock) in self.columns.clocks.iter_mut().enumerate() {
                 self::clock(ui, number, clock, &signals);
+                if let Some(why) = clock.restarts.as_ref().filter(|_| clock.time.is_none()) {
+                    let text = format!("{why}: write each part as a file of its own, or state the rate here. What happens between two parts is then taken for a motion.");
+                    ui.add(Label::new(RichText::new(text).color(theme::alarm(ui))).wrap());
+                }
             }
             let height = (ui.available_height() - 64.0).max(90.0);
             ScrollArea::horizontal().max_height(height).show(ui, |ui| rows(ui, &mut self.columns.columns, height));

@@ -10,6 +10,7 @@ pub mod fleet;
 mod foreign;
 mod frame;
 pub mod identify;
+mod letters;
 pub mod live;
 mod native;
 mod own;
@@ -19,16 +20,12 @@ mod views;
 pub mod watch;
 
 pub(crate) use checking::{CheckOptions, check};
+pub(crate) use letters::Letters;
 pub use own::Found;
 pub(crate) use own::{Own, save};
 pub(crate) use responding::ResponseOptions;
 pub(crate) use socam_job::Check as CheckTask;
 pub use views::Views;
-
-/// Draws letters that the window's own fonts lack by fonts of the system.
-pub(crate) fn add_letters(ctx: &egui::Context) {
-    ctx.add_font_provider(std::sync::Arc::new(egui_system_font_provider::SystemFontProvider::new()));
-}
 
 /// Whether a bench can be reached from here.
 pub(crate) const HAS_BENCH: bool = true;

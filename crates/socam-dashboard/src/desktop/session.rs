@@ -77,6 +77,7 @@ impl Dashboard {
             results,
             range_s: self.views.time.x,
             cursors_s: self.views.time.cursors,
+            fit_range_s: self.workspace.setup.range_s,
             layout: self.views.time.arrangement(),
             model: Some(self.workspace.model().text.clone()),
         };
@@ -110,6 +111,7 @@ impl Dashboard {
         self.views.time.fit();
         self.views.time.arrange(&session.layout);
         (self.views.time.x, self.views.time.cursors) = (session.range_s, session.cursors_s);
+        self.workspace.setup.range_s = session.fit_range_s;
         let paths = session.recordings.iter().map(|own| &own.run).chain(&session.results);
         let found: Vec<String> = paths.filter(|path| is_there(path)).cloned().collect();
         self.open(found);

@@ -23,6 +23,13 @@ views! {
     Machine: machine = MachineView;
 }
 
+impl Views {
+    /// Brings what to record next into sight.
+    pub(crate) fn seek_next(&mut self) {
+        self.diagnosis.page.seek_next();
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

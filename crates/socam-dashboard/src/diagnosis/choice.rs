@@ -1,6 +1,8 @@
 //! The residuals of a diagnosis that are drawn, and their horizontal axis.
 
 use egui::Ui;
+use socam_model::Motion;
+use socam_workbench::display_units::DisplayUnits;
 
 /// Draws the choices.
 pub(super) fn ui(ui: &mut Ui, over: &mut Over, sides: &mut Sides) {
@@ -81,8 +83,11 @@ impl Over {
     }
 }
 
-/// The choice, with the selected channel and recording.
+/// The choice, with the selected channel and recording, and the units in which signals are shown.
 pub(super) struct Choice<'a> {
+    pub(super) units: &'a DisplayUnits,
+    /// How the machine moves, which names the axes.
+    pub(super) motion: Motion,
     pub(super) sides: Sides,
     pub(super) over: Over,
     pub(super) channel: &'a mut usize,

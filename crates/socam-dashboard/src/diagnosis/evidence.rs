@@ -7,11 +7,14 @@ use egui::{Color32, ComboBox, RichText, Ui, vec2};
 use socam_findings::document::Over as CurveOver;
 use socam_findings::evidence::{Binned, ChannelEvidence};
 use socam_findings::{Diagnosis, Evidence};
+use socam_model::Motion;
 
 use super::choice::{Choice, Over, Sides};
 use socam_chart::chart::{Chart, Curve, Scale, Seen, Style, range_of, with_room};
 use socam_chart::theme;
 use socam_chart::thin::thinned;
+use socam_workbench::display_units::{DisplayUnits, ShownIn};
+use socam_workbench::signal::Signal;
 
 pub(super) fn ui(
     ui: &mut Ui,
@@ -21,12 +24,12 @@ pub(super) fn ui(
     seen: &mut Vec<Seen>,
 ) {
     match (choice.over, evidence) {
-        (Over::Fit, _) => fit::fit(ui, diagnosis, choice.sides),
+        (Over::Fit, _) => fit::fit(ui, diagnosis, choice.sides, choice.units),
         (Over::Signals, _) => match &diagnosis.overlay {
-            Some(shown) => overlay::ui(ui, shown, choice.sides, seen),
+            Some(shown) => overlay::ui(ui, shown, choice.sides, choice.units, seen),
             None => drop(ui.label(RichText::new(NO_SIGNALS).color(theme::weak(ui)))),
         },
-        (Over::Shape, _) => shapes(ui, diagnosis, seen),
+        (Over::Shape, _) => shapes(ui, diagnosis, choice.units, seen),
         (_, None) => {
             ui.label(RichText::new(
                 "The file of a diagnosis holds no residuals. Open its recordings and press Diagnose at the left to see them; the measured shape and the fit are in the file.",
@@ -54,7 +57,7 @@ fn over(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<See
         ui.spacing_mut().item_spacing.x = 8.0;
         for channel in &evidence.channels {
             if choice.over == Over::Frequency {
-                spectrum(ui, channel, choice.sides, size, seen);
+                spectrum(ui, channel, &choice, size, seen);
             } else {
                 binned(ui, channel, &choice, size, seen);
             }
@@ -83,33 +86,47 @@ fn binned(
     size: egui::Vec2,
     seen: &mut Vec<Seen>,
 ) {
-    let (binned, x_label) = match choice.over {
-        Over::Angle => (&channel.over_angle, "angle of the turn, rad"),
-        Over::Torque => (&channel.over_torque, "torque, N m"),
-        _ => (&channel.over_speed, "speed, rad/s"),
+    let rotates = choice.motion == Motion::Rotation;
+    let (binned, axis, unit) = match choice.over {
+        Over::Angle if rotates => (&channel.over_angle, "angle of the turn", "rad"),
+        Over::Angle => (&channel.over_angle, "position", "m"),
+        Over::Torque if rotates => (&channel.over_torque, "torque", "N m"),
+        Over::Torque => (&channel.over_torque, "force", "N"),
+        _ if rotates => (&channel.over_speed, "speed", "rad/s"),
+        _ => (&channel.over_speed, "speed", "m/s"),
     };
-    let title = format!("{}: mean residual, {}", channel.name, channel.unit);
+    let (x, y) = (shown_in(choice.units, "", unit), shown_in(choice.units, &channel.name, &channel.unit));
+    let title = format!("{}: mean residual, {}", channel.name, y.unit);
     let mut chart = Chart::new(("evidence", &channel.name), title, size);
-    chart.x_label = x_label.into();
+    chart.x_label = format!("{axis}, {}", x.unit);
     chart.when_empty = "these recordings do not move along this axis";
     if let Some(binned) = binned {
-        fill(ui, &mut chart, binned, channel.noise_std, choice.sides);
+        fill(ui, &mut chart, binned, channel.noise_std * y.per_si, [x.per_si, y.per_si], choice.sides);
     }
     chart.show(ui, seen);
 }
 
-fn fill(ui: &Ui, chart: &mut Chart, binned: &Binned, noise_std: f64, sides: Sides) {
+/// The unit in which a channel, or an axis without a name, is shown.
+fn shown_in(units: &DisplayUnits, name: &str, unit: &str) -> ShownIn {
+    units.of(&Signal { name: name.into(), unit: unit.into() })
+}
+
+/// Draws binned residuals; `noise_std` is in the unit that is shown, and `per_si` are the factors of both axes.
+fn fill(ui: &Ui, chart: &mut Chart, binned: &Binned, noise_std: f64, per_si: [f64; 2], sides: Sides) {
+    let [x_per_si, y_per_si] = per_si;
     let [before, after] = colours(ui);
     let lines = [
         ("before", sides != Sides::After, before, &binned.before, &binned.before_std),
         ("after", sides != Sides::Before, after, &binned.after, &binned.after_std),
     ];
-    chart.x = range_of(binned.x.iter().copied()).map_or([0.0, 1.0], with_room);
+    chart.x = range_of(binned.x.iter().map(|x| x_per_si * x)).map_or([0.0, 1.0], with_room);
     for (name, _, colour, values, errors) in lines.into_iter().filter(|line| line.1 && !line.3.is_empty()) {
-        let points: Vec<[f64; 2]> = binned.x.iter().zip(values).map(|(x, y)| [*x, *y]).collect();
+        let points = binned.x.iter().zip(values).map(|(x, y)| [x_per_si * x, y_per_si * y]);
+        let points: Vec<[f64; 2]> = points.collect();
         let parts = thinned(&points, usize::MAX / 4);
         chart.curves.push(Curve { name: name.into(), colour, parts, style: Style::Solid });
-        let band = points.iter().zip(errors).map(|([x, y], error)| [*x, y - 2.0 * error, y + 2.0 * error]);
+        let errors = errors.iter().map(|error| 2.0 * y_per_si * error);
+        let band = points.iter().zip(errors).map(|([x, y], error)| [*x, y - error, y + error]);
         chart.bands.push((band.collect(), colour.gamma_multiply(0.22)));
     }
     let drawn = chart.bands.iter().flat_map(|(band, _)| band.iter().flat_map(|[_, low, high]| [*low, *high]));
@@ -119,8 +136,16 @@ fn fill(ui: &Ui, chart: &mut Chart, binned: &Binned, noise_std: f64, sides: Side
     chart.bands.insert(0, (noise.to_vec(), theme::weak(ui).gamma_multiply(0.16)));
 }
 
-fn spectrum(ui: &mut Ui, channel: &ChannelEvidence, sides: Sides, size: egui::Vec2, seen: &mut Vec<Seen>) {
-    let title = format!("{}: residual, {} per sqrt(Hz)", channel.name, channel.unit);
+fn spectrum(
+    ui: &mut Ui,
+    channel: &ChannelEvidence,
+    choice: &Choice<'_>,
+    size: egui::Vec2,
+    seen: &mut Vec<Seen>,
+) {
+    let sides = choice.sides;
+    let ShownIn { unit, per_si } = shown_in(choice.units, &channel.name, &channel.unit);
+    let title = format!("{}: residual, {unit} per sqrt(Hz)", channel.name);
     let mut chart = Chart::new(("evidence", &channel.name), title, size);
     chart.x_label = "frequency, Hz".into();
     chart.scales = [Scale::Log; 2];
@@ -133,7 +158,7 @@ fn spectrum(ui: &mut Ui, channel: &ChannelEvidence, sides: Sides, size: egui::Ve
             ("after", sides != Sides::Before, after, &spectrum.after),
         ];
         for (name, _, colour, values) in lines.into_iter().filter(|line| line.1 && !line.3.is_empty()) {
-            let points = spectrum.frequency_hz.iter().zip(values).map(|(f, y)| [*f, *y]);
+            let points = spectrum.frequency_hz.iter().zip(values).map(|(f, y)| [*f, per_si * y]);
             let points = points.filter(|[f, y]| *f > 0.0 && *y > 0.0).collect();
             chart.curves.push(Curve { name: name.into(), colour, parts: vec![points], style: Style::Solid });
         }
@@ -182,6 +207,7 @@ fn time(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<See
     let size = vec2(ui.available_width(), ui.available_height().max(120.0));
     let known = evidence.channels.iter().find(|channel| channel.name == trace.channel);
     let unit = known.map_or("", |channel| channel.unit.as_str());
+    let ShownIn { unit, per_si } = shown_in(choice.units, &trace.channel, unit);
     let mut chart = Chart::new("evidence over time", format!("{}: residual, {unit}", trace.channel), size);
     chart.x_label = "time from the start of the recording, s".into();
     let [before, after] = colours(ui);
@@ -191,7 +217,7 @@ fn time(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<See
     ];
     for (name, _, colour, values) in lines.into_iter().filter(|line| line.1 && !line.3.is_empty()) {
         let points: Vec<[f64; 2]> =
-            trace.time_s.iter().zip(values).map(|(time, value)| [*time, *value]).collect();
+            trace.time_s.iter().zip(values).map(|(time, value)| [*time, per_si * value]).collect();
         let parts = thinned(&points, size.x as usize);
         chart.curves.push(Curve { name: name.into(), colour, parts, style: Style::Solid });
     }
@@ -199,14 +225,15 @@ fn time(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<See
     chart.y =
         chart.fitted(range_of(chart.curves.iter().flat_map(|c| c.parts.iter().flatten().map(|p| p[1]))));
     if let Some(channel) = known {
-        let noise = [chart.x[0], chart.x[1]].map(|x| [x, -channel.noise_std, channel.noise_std]);
+        let noise_std = per_si * channel.noise_std;
+        let noise = [chart.x[0], chart.x[1]].map(|x| [x, -noise_std, noise_std]);
         chart.bands.push((noise.to_vec(), theme::weak(ui).gamma_multiply(0.16)));
     }
     chart.show(ui, seen);
 }
 
 /// The measured shape of the missing torque or channel error.
-fn shapes(ui: &mut Ui, diagnosis: &Diagnosis, seen: &mut Vec<Seen>) {
+fn shapes(ui: &mut Ui, diagnosis: &Diagnosis, units: &DisplayUnits, seen: &mut Vec<Seen>) {
     let curves: Vec<_> = diagnosis
         .findings
         .iter()
@@ -222,10 +249,9 @@ fn shapes(ui: &mut Ui, diagnosis: &Diagnosis, seen: &mut Vec<Seen>) {
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
         for (number, finding, curve) in curves {
-            let title = format!(
-                "{number}. {} at {}: what is missing, {}",
-                finding.effect, finding.location, curve.torque_unit
-            );
+            let (x, y) = (shown_in(units, "", &curve.unit), shown_in(units, "", &curve.torque_unit));
+            let title =
+                format!("{number}. {} at {}: what is missing, {}", finding.effect, finding.location, y.unit);
             let mut chart = Chart::new(("shape", number), title, size);
             let over = match curve.over {
                 CurveOver::Speed => "speed",
@@ -234,17 +260,21 @@ fn shapes(ui: &mut Ui, diagnosis: &Diagnosis, seen: &mut Vec<Seen>) {
                 CurveOver::Time => "time",
                 CurveOver::Frequency => "frequency",
             };
-            chart.x_label = format!("{over}, {}", curve.unit);
-            let value = |value: &Option<f64>| value.unwrap_or(f64::NAN);
-            let points: Vec<[f64; 2]> =
-                curve.x.iter().zip(&curve.torque).map(|(x, y)| [*x, value(y)]).collect();
+            chart.x_label = format!("{over}, {}", x.unit);
+            let value = |value: &Option<f64>| y.per_si * value.unwrap_or(f64::NAN);
+            let points: Vec<[f64; 2]> = curve
+                .x
+                .iter()
+                .zip(&curve.torque)
+                .map(|(at, torque)| [x.per_si * at, value(torque)])
+                .collect();
             let band = points
                 .iter()
                 .zip(&curve.torque_std)
                 .map(|([x, y], std)| [*x, y - 2.0 * value(std), y + 2.0 * value(std)]);
             let colour = theme::alarm(ui);
             chart.bands.push((band.collect(), colour.gamma_multiply(0.22)));
-            chart.x = range_of(curve.x.iter().copied()).map_or([0.0, 1.0], with_room);
+            chart.x = range_of(points.iter().map(|point| point[0])).map_or([0.0, 1.0], with_room);
             chart.y = chart.fitted(range_of(points.iter().map(|point| point[1]).chain([0.0])));
             let parts = thinned(&points, usize::MAX / 4);
             chart.curves.push(Curve { name: finding.effect.clone(), colour, parts, style: Style::Dotted });

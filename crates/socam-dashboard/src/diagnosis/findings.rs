@@ -10,20 +10,29 @@ use socam_chart::numbers;
 use socam_chart::table::heads;
 use socam_chart::theme;
 
-/// Draws the list. Returns the profile of the suggested experiment if its button, named `take`, was pressed. Without one, no board has the input of the model.
+/// What to record next.
+#[derive(Default)]
+pub(super) struct Next {
+    /// The profile, if its button was pressed.
+    pub(super) profile: Option<ProfileFile>,
+    /// Where it stands.
+    pub(super) place: Option<egui::Rect>,
+}
+
+/// Draws the list. The button of the suggested experiment is named `take`; without a name, no board has the input of the model.
 pub(super) fn list(
     ui: &mut Ui,
     diagnosis: &Diagnosis,
     selected: &mut Option<String>,
     take: Option<&str>,
-) -> Option<ProfileFile> {
-    let mut wanted = None;
+) -> Next {
+    let mut wanted = Next::default();
     for (index, finding) in diagnosis.findings.iter().enumerate() {
         one(ui, index + 1, finding, Proof::of(diagnosis), selected);
     }
     if let Some(next) = &diagnosis.suggested_experiment {
         card(ui, false, |ui| {
-            ui.label(RichText::new("What to record next").strong());
+            wanted.place = Some(ui.label(RichText::new("What to record next").strong()).rect);
             ui.label(&next.sentence);
             if !next.tells_apart.is_empty() {
                 ui.label(
@@ -40,7 +49,7 @@ pub(super) fn list(
             match profile {
                 Ok(profile) => {
                     if ui.button(take).clicked() {
-                        wanted = Some(profile);
+                        wanted.profile = Some(profile);
                     }
                 }
                 Err(error) => {
@@ -127,7 +136,7 @@ fn one(ui: &mut Ui, number_of_it: usize, finding: &Finding, proof: Proof<'_>, se
             ui.label(RichText::new(format!("acts {}", finding.region.text)).color(theme::weak(ui)));
         }
         if let (Some(data), Some(gain)) = (proof.tried_on(), proof.gain_percent(finding)) {
-            ui.label(format!("On {data} it removes {gain:.1} % of what exceeded the noise"));
+            ui.label(format!("On {data} it removes {gain:.1} % of the misfit above the noise floor"));
         }
         let evidence = &finding.evidence;
         let chance = evidence.p_value.map(|p| format!("p-value {}", numbers::chance(Some(p))));

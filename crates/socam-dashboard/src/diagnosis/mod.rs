@@ -13,6 +13,7 @@ use socam_chart::chart::{self, Seen};
 use socam_findings::headline::{self, headline};
 use socam_findings::{Diagnosis, Evidence};
 use socam_model::{Channel, Model, Quantity};
+use socam_workbench::display_units::DisplayUnits;
 use socam_workbench::rail::{Step, Tone, Verdict};
 use socam_workbench::{Request, Workspace};
 
@@ -34,6 +35,8 @@ pub struct DiagnosisPage {
     selected: Option<String>,
     /// Width of the drawing for which the finding was brought into sight.
     scrolled: Option<f32>,
+    /// Whether what to record next is to be brought into sight.
+    seeks_next: bool,
     /// Whether the rail has the verdict of what is shown; false too while a diagnosis runs.
     is_told: bool,
 }
@@ -97,7 +100,7 @@ impl DiagnosisPage {
         empty: [&str; 2],
         above: impl FnOnce(&mut Ui, &mut Workspace, Option<&Shown>),
     ) {
-        let mut wanted = None;
+        let mut wanted = findings::Next::default();
         let width = layout::panel(ui, "findings", 372.0);
         let panel = egui::Panel::left("findings").default_size(width).size_range(250.0..=640.0);
         let panel = panel.show(ui, |ui| {
@@ -108,12 +111,17 @@ impl DiagnosisPage {
                         if workspace.has_bench { "Make it the input signal" } else { "Save it as a file" };
                     let take = commands(&shown.model).then_some(take);
                     wanted = findings::list(ui, &shown.diagnosis, &mut self.selected, take);
+                    if std::mem::take(&mut self.seeks_next)
+                        && let Some(place) = wanted.place
+                    {
+                        ui.scroll_to_rect(place, Some(egui::Align::TOP));
+                    }
                 }
             });
         });
         layout::keep_panel(ui, "findings", panel.response.rect.width());
-        egui::CentralPanel::default().show(ui, |ui| self.pictures(ui, seen, empty));
-        if let Some(profile) = wanted {
+        egui::CentralPanel::default().show(ui, |ui| self.pictures(ui, &workspace.units, seen, empty));
+        if let Some(profile) = wanted.profile {
             workspace.request(Request::Signal(Box::new(profile)));
         }
     }
@@ -144,6 +152,11 @@ impl DiagnosisPage {
         workspace.rail.diagnosis = Some(Arc::new(diagnosis.clone()));
     }
 
+    /// Brings what to record next into sight.
+    pub(crate) fn seek_next(&mut self) {
+        self.seeks_next = true;
+    }
+
     /// Shows a diagnosis of a model.
     pub fn show(&mut self, diagnosis: Diagnosis, evidence: Option<Evidence>, model: Model) {
         (self.selected, self.scrolled, self.is_told) = (None, None, false);
@@ -166,7 +179,13 @@ impl DiagnosisPage {
         self.shown = Some(Shown { diagnosis, evidence, model });
     }
 
-    fn pictures(&mut self, ui: &mut Ui, seen: &mut Vec<Seen>, [title, text]: [&str; 2]) {
+    fn pictures(
+        &mut self,
+        ui: &mut Ui,
+        units: &DisplayUnits,
+        seen: &mut Vec<Seen>,
+        [title, text]: [&str; 2],
+    ) {
         let Self { shown, sides, over, channel, recording, selected, scrolled, .. } = self;
         let Some(Shown { diagnosis, evidence, model }) = shown else {
             chart::empty_state(ui, title, text);
@@ -176,7 +195,14 @@ impl DiagnosisPage {
         let is_low = ui.available_height() < drawing_height + LEAST_PICTURE;
         let mut charts = |ui: &mut Ui| {
             choice::ui(ui, over, sides);
-            let view = choice::Choice { sides: *sides, over: *over, channel, recording };
+            let view = choice::Choice {
+                units,
+                motion: model.motion,
+                sides: *sides,
+                over: *over,
+                channel,
+                recording,
+            };
             evidence::ui(ui, diagnosis, evidence.as_ref(), view, seen);
         };
         if is_low {

@@ -28,10 +28,14 @@ fn reading(model: &Model) -> impl Iterator<Item = &Channel> {
     model.channels.iter().filter(|channel| !channel.quantity.is_clock())
 }
 
+/// The channels whose column is not among those of a recording.
+pub(super) fn lacking<'m>(model: &'m Model, columns: &[String]) -> impl Iterator<Item = &'m Channel> {
+    reading(model).filter(move |channel| !columns.contains(&channel.column))
+}
+
 /// Lists the columns of a recording, to be dragged, with the channels that read them. It is unfolded where a channel lacks its column.
 pub(super) fn list(ui: &mut Ui, model: &Model, recording: &Recording, columns: &[String]) {
-    let lacking: Vec<&Channel> =
-        reading(model).filter(|channel| !columns.contains(&channel.column)).collect();
+    let lacking: Vec<&Channel> = lacking(model, columns).collect();
     let name = short(&recording.about.name);
     let header = CollapsingHeader::new(format!("Columns of {name}")).id_salt("columns");
     header.default_open(!lacking.is_empty()).show(ui, |ui| {

@@ -3,9 +3,12 @@
 use egui::{Button, CollapsingHeader, Label, Response, RichText, Role, TextEdit, Ui, WidgetInfo};
 use socam_chart::theme;
 use socam_workbench::new_model::{Field, GRAMMAR, NewModel};
+use socam_workbench::origin::Origin;
 use socam_workbench::purpose::Purpose;
 use socam_workbench::recording::short;
 use socam_workbench::{Content, Request, Workspace};
+
+use super::columns;
 
 /// Draws the form, whose parts take the keyboard's focus when it `is_new`; true when it is left.
 pub(super) fn ui(ui: &mut Ui, form: &mut NewModel, workspace: &mut Workspace, is_new: bool) -> bool {
@@ -24,7 +27,7 @@ pub(super) fn ui(ui: &mut Ui, form: &mut NewModel, workspace: &mut Workspace, is
     field(ui, "Measured", &mut form.words.measures, 2);
     under(ui, form, Field::Measures);
     form.update();
-    columns(ui, workspace);
+    columns(ui, form, workspace);
     let is_left = buttons(ui, form, workspace);
     ui.add_space(4.0);
     CollapsingHeader::new("Words that are understood").default_open(true).show(ui, grammar);
@@ -48,12 +51,21 @@ fn under(ui: &mut Ui, form: &NewModel, field: Field) {
     }
 }
 
-/// The columns that a drive or a measurement can name behind a colon.
-fn columns(ui: &mut Ui, workspace: &Workspace) {
+/// The columns that a drive or a measurement can name behind a colon, and those that the model reads and the recording lacks.
+fn columns(ui: &mut Ui, form: &NewModel, workspace: &Workspace) {
     let Some((_, recording)) = workspace.shown().next() else { return };
-    let names: Vec<String> = recording.about.channels.iter().map(|channel| channel.column_name()).collect();
-    let text = format!("Columns of {}: {}", short(&recording.about.name), names.join(", "));
+    let (names, run) = (columns::names(Some(recording)), short(&recording.about.name));
+    let text = format!("Columns of {run}: {}", names.join(", "));
     ui.add(Label::new(RichText::new(text).small().color(theme::weak(ui))).wrap());
+    let (Some(model), None) = form.model() else { return };
+    let lacking: Vec<&str> = columns::lacking(model, &names).map(|own| own.column.as_str()).collect();
+    if !lacking.is_empty() {
+        let text = format!(
+            "{run} has no {}: write the column of it that is meant behind a colon, as in speed@load:COLUMN",
+            lacking.join(", no ")
+        );
+        ui.add(Label::new(RichText::new(text).color(theme::alarm(ui))).wrap());
+    }
 }
 
 fn buttons(ui: &mut Ui, form: &NewModel, workspace: &mut Workspace) -> bool {
@@ -68,6 +80,7 @@ fn buttons(ui: &mut Ui, form: &NewModel, workspace: &mut Workspace) -> bool {
             .clicked()
             && let Some(model) = model
         {
+            workspace.origins.note(model, Origin::Words);
             workspace.request(Request::Model(Box::new(model.clone())));
             is_left = true;
         }

@@ -100,10 +100,14 @@ pub(super) fn remark(spectra: &Spectra, settings: &SpectrumSettings) -> String {
     )
 }
 
-/// A spectrum over frequency, Hz, without the mean.
-pub(super) fn line(spectra: &Spectra, scaling: Scaling) -> Vec<[f64; 2]> {
+/// A spectrum over frequency, Hz, without the mean, of a channel that is shown in a unit with so many per SI unit.
+pub(super) fn line(spectra: &Spectra, scaling: Scaling, per_si: f64) -> Vec<[f64; 2]> {
+    let shown = |value: f64| match scaling {
+        Scaling::Density | Scaling::Amplitude => per_si * value,
+        Scaling::Decibel => value + 20.0 * per_si.log10(),
+    };
     let values = scaling.values(spectra).into_iter().enumerate().skip(1);
-    values.map(|(line, value)| [spectra.frequency_hz(line), value]).collect()
+    values.map(|(line, value)| [spectra.frequency_hz(line), shown(value)]).collect()
 }
 
 #[cfg(test)]
@@ -130,7 +134,7 @@ mod tests {
         let data = Dataset::from_columns("r", channels, time_s.clone(), columns.to_vec()).unwrap();
         let samples = Samples::in_memory(time_s, &columns, data.segments().to_vec());
         for spectra in densities(&samples, Part::default(), &Handle::default()).unwrap() {
-            let line = line(&spectra.unwrap(), Scaling::Density);
+            let line = line(&spectra.unwrap(), Scaling::Density, 1.0);
             let mean = line.iter().map(|point| point[1].powi(2)).sum::<f64>() / line.len() as f64;
             assert!((mean.sqrt() / (std * (2.0 * step_s).sqrt()) - 1.0).abs() < 0.02, "{mean}");
         }
@@ -168,7 +172,10 @@ mod tests {
             let all = densities(&samples, part, &Handle::default()).unwrap();
             let spectra = all[0].as_ref().unwrap();
             assert!((spectra.step_hz() - 1.0).abs() < 1e-9);
-            line(spectra, Scaling::Amplitude)[49]
+            // Doubled, an amplitude has 6.02 dB more.
+            let [once, twice] = [1.0, 2.0].map(|per_si| line(spectra, Scaling::Decibel, per_si)[49][1]);
+            assert!((twice - once - 6.0206).abs() < 1e-3, "{once} {twice}");
+            line(spectra, Scaling::Amplitude, 1.0)[49]
         };
         let [frequency_hz, amplitude] = at_50_hz([10.0, 20.0]);
         assert!((frequency_hz - 50.0).abs() < 1e-9 && (amplitude - 3.0).abs() < 0.01, "{amplitude}");

@@ -105,7 +105,7 @@ impl ViewPanel for Spectra {
             ("density; amplitude; dB", "the level of noise, the amplitude of a sine, or power in decibels"),
             (
                 "Response; output; over input; Magnitude in dB; Band, Hz",
-                "output over input with coherence, as identify --method frf estimates it with the options of that command, and the model's own response; 20 dB are a factor of ten of the magnitude in SI",
+                "output over input with coherence, as identify --method frf estimates it with the options of that command, and the model's own response; 20 dB are a factor of ten of the magnitude; a response is drawn where the coherence is above the thin grey line",
             ),
             (
                 "Poles and zeros; zeros of; over",
@@ -138,7 +138,7 @@ impl Spectra {
                 ChartType::Response => {
                     self.choose(ui, entries, model);
                     let tick = ui.checkbox(&mut self.in_decibel, "Magnitude in dB");
-                    tick.on_hover_text("20 times the decimal logarithm of the magnitude in SI");
+                    tick.on_hover_text("20 times the decimal logarithm of the magnitude");
                 }
                 ChartType::Spectrum => spectrum_options(ui, settings, in_sight.is_some()),
                 ChartType::Poles => {}
@@ -167,8 +167,8 @@ impl Spectra {
         self.compute(ui, &shown, &sources, numbered);
         legend(ui, &shown);
         match self.kind {
-            ChartType::Response => self.response(ui, &shown, numbered, seen),
-            _ => self.spectrum(ui, &sources, settings, seen),
+            ChartType::Response => self.response(ui, &shown, numbered, &workspace.units, seen),
+            _ => self.spectrum(ui, &sources, settings, &workspace.units, seen),
         }
     }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use egui::{RichText, Ui, vec2};
 use socam_chart::chart::{self, Chart, Curve, Scale, Seen, Style, range_of};
 use socam_chart::theme;
+use socam_workbench::display_units::{DisplayUnits, ShownIn};
 use socam_workbench::recording::short;
 use socam_workbench::signal::Signal;
 use socam_workbench::spectrum_settings::{Scaling, SpectrumSettings};
@@ -21,6 +22,7 @@ impl Spectra {
         ui: &mut Ui,
         sources: &[Source<'_>],
         settings: &SpectrumSettings,
+        units: &DisplayUnits,
         seen: &mut Vec<Seen>,
     ) {
         let mut channels: Vec<&Signal> = Vec::new();
@@ -48,14 +50,15 @@ impl Spectra {
         egui::ScrollArea::vertical().auto_shrink(false).max_height(part).show(ui, |ui| {
             for (place, channel) in channels.iter().enumerate() {
                 let is_last = place + 1 == channels.len();
-                let title = format!("{}, {}", channel.name, settings.scaling.unit(&channel.unit));
+                let ShownIn { unit, per_si } = units.of(channel);
+                let title = format!("{}, {}", channel.name, settings.scaling.unit(&unit));
                 let size = vec2(ui.available_width(), if is_last { height + AXIS } else { height });
                 let mut chart = Chart::new(("spectrum", &channel.name, &channel.unit), title, size);
                 for (source, found) in sources.iter().zip(&found) {
                     let own = source.signals.iter().position(|other| other == *channel);
                     let Some((index, Ok(all))) = own.zip(*found) else { continue };
                     if let Some(spectra) = &all[index] {
-                        let line = densities::line(spectra, settings.scaling);
+                        let line = densities::line(spectra, settings.scaling, per_si);
                         chart.curves.push(curve(ui, source.number, source.name, vec![line]));
                     }
                 }
@@ -84,6 +87,7 @@ impl Spectra {
         ui: &mut Ui,
         shown: &[Shown<'_>],
         (model, revision): Numbered<'_>,
+        units: &DisplayUnits,
         seen: &mut Vec<Seen>,
     ) {
         let Some(between) = self.chosen(revision) else { return };
@@ -94,24 +98,33 @@ impl Spectra {
             || found.iter().filter_map(|result| Some(&result.as_ref()?.as_ref().ok()?.response.lines));
         let x = range_of(lines().flatten().map(|line| line.frequency_hz)).unwrap_or([0.1, 100.0]);
         let [over, under] = [output, input].map(|column| signal_of(shown, column));
-        let unit = match (over.1 == under.1, self.in_decibel) {
+        let [shown_over, shown_under] = [&over, &under].map(|signal| units.of(signal));
+        let per_si = shown_over.per_si / shown_under.per_si;
+        let unit = match (shown_over.unit == shown_under.unit, self.in_decibel) {
             (true, false) => "1".to_owned(),
             (true, true) => "dB".to_owned(),
-            (false, false) => format!("({})/({})", over.1, under.1),
-            (false, true) => format!("dB of ({})/({})", over.1, under.1),
+            (false, false) => format!("({})/({})", shown_over.unit, shown_under.unit),
+            (false, true) => format!("dB of ({})/({})", shown_over.unit, shown_under.unit),
         };
         let mut charts = [
-            ("magnitude", format!("|{} / {}|, {unit}", over.0, under.0)),
+            ("magnitude", format!("|{} / {}|, {unit}", over.name, under.name)),
             ("phase", "phase, degrees".to_owned()),
             ("coherence", "coherence".to_owned()),
         ]
         .map(|(id, title)| Chart::new(("response", id), title, vec2(0.0, 0.0)));
         for ((number, recording), found) in shown.iter().zip(&found) {
             let Some(Ok(measured)) = found else { continue };
-            let Curves { magnitude, phase, coherence } = curves(&measured.response);
+            let Curves { magnitude, phase, coherence, threshold } = curves(&measured.response);
+            let name = short(&recording.about.name);
             for (chart, line) in charts.iter_mut().zip([magnitude, phase, vec![coherence]]) {
-                chart.curves.push(curve(ui, *number, short(&recording.about.name), line));
+                chart.curves.push(curve(ui, *number, name, line));
             }
+            charts[2].curves.push(Curve {
+                name: format!("threshold of {name}"),
+                colour: theme::weak(ui),
+                parts: vec![threshold],
+                style: Style::Thin,
+            });
         }
         for (chart, line) in charts.iter_mut().zip(model_response(model, output, Some(input), x)) {
             let colour = ui.visuals().strong_text_color();
@@ -122,12 +135,14 @@ impl Spectra {
                 style: Style::Dashed,
             });
         }
+        let magnitudes = charts[0].curves.iter_mut().flat_map(|curve| curve.parts.iter_mut().flatten());
+        magnitudes.for_each(|point| point[1] *= per_si);
         if self.in_decibel {
             charts[0].curves.iter_mut().for_each(|curve| curve.parts = decibels(&curve.parts));
         }
         remark(
             ui,
-            "solid: recordings, where the 95 % confidence circle leaves out zero; dashed: the model at its file's values",
+            "solid: recordings, where the 95 % confidence circle leaves out zero, as it does where the coherence is above the thin grey line; dashed: the model at its file's values",
         );
         // Several recordings may have the same warning.
         let mut remarks = BTreeSet::new();
@@ -182,11 +197,11 @@ fn decibels(parts: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
 }
 
 /// Name and unit of the channel of a column.
-fn signal_of(shown: &[Shown<'_>], column: &str) -> (String, String) {
+fn signal_of(shown: &[Shown<'_>], column: &str) -> Signal {
     let mut channels = shown.iter().flat_map(|(_, recording)| &recording.about.channels);
     match channels.find(|channel| channel.column_name() == column) {
-        Some(channel) => (channel.name.clone(), channel.unit.to_string()),
-        None => (column.to_owned(), "1".into()),
+        Some(channel) => Signal { name: channel.name.clone(), unit: channel.unit.to_string() },
+        None => Signal { name: column.to_owned(), unit: "1".into() },
     }
 }
 

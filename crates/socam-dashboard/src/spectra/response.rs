@@ -30,6 +30,8 @@ pub(super) struct Curves {
     pub(super) phase: Vec<Vec<[f64; 2]>>,
     /// Coherence at all lines.
     pub(super) coherence: Vec<[f64; 2]>,
+    /// Coherence above which a line's response is drawn.
+    pub(super) threshold: Vec<[f64; 2]>,
 }
 
 pub(super) fn curves(response: &Response) -> Curves {
@@ -44,6 +46,9 @@ pub(super) fn curves(response: &Response) -> Curves {
         magnitude: drawn(&|line| line.response.norm()),
         phase: phase.iter().flat_map(|part| unjoined(part)).collect(),
         coherence: lines().map(|(line, _)| [line.frequency_hz, line.coherence]).collect(),
+        threshold: lines()
+            .filter_map(|(line, _)| Some([line.frequency_hz, line.threshold_coherence()?]))
+            .collect(),
     }
 }
 
@@ -122,7 +127,12 @@ mod tests {
         let model = Model::builtin("two-mass").unwrap();
         let columns = ["motor_torque_Nm", "motor_speed_rad_s"];
         let found = measured(&opened, &model, columns, &Settings::default(), &Handle::default()).unwrap();
-        let Curves { magnitude, phase, coherence } = curves(&found.response);
+        let Curves { magnitude, phase, coherence, threshold } = curves(&found.response);
+        // What is drawn lies above the threshold.
+        let drawn = magnitude.iter().flatten().map(|point| point[0]).collect::<Vec<_>>();
+        for ([frequency_hz, own], [_, least]) in coherence.iter().zip(&threshold) {
+            assert_eq!(own > least, drawn.contains(frequency_hz), "{own} {least} at {frequency_hz} Hz");
+        }
         let at = |line: &[Vec<[f64; 2]>]| {
             *line.iter().flatten().min_by(|a, b| (a[0] - 50.0).abs().total_cmp(&(b[0] - 50.0).abs())).unwrap()
         };

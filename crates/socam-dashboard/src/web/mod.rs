@@ -15,7 +15,18 @@ pub use views::Views;
 pub type Found = socam_workbench::document::Document;
 
 /// A page has no fonts of the system.
-pub(crate) fn add_letters(_ctx: &egui::Context) {}
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Letters;
+
+impl Letters {
+    pub(crate) fn by_the_system(&self, _ctx: &egui::Context) {}
+
+    pub(crate) fn listen(&self, _ctx: &egui::Context) {}
+
+    pub(crate) fn sentence(&self) -> Option<String> {
+        None
+    }
+}
 
 /// Whether a bench can be reached from here.
 pub(crate) const HAS_BENCH: bool = false;

@@ -16,3 +16,10 @@ views! {
     Diagnosis: diagnosis = DiagnosisPage;
     Machine: machine = MachineView;
 }
+
+impl Views {
+    /// Brings what to record next into sight.
+    pub(crate) fn seek_next(&mut self) {
+        self.diagnosis.seek_next();
+    }
+}

@@ -33,6 +33,21 @@ fn places(window: &Window) -> Vec<egui::Rect> {
     ["Arm", "Run", "Stop", "EMERGENCY STOP"].map(place).to_vec()
 }
 
+/// Whatever is typed into the address, and when the link opens, the fields below it stay where they are.
+#[test]
+fn fields_below_the_address_never_move() {
+    let top = |window: &Window| window.get_all_by_label("Name").next().unwrap().rect().top();
+    let mut closed = window(sample::dashboard(Look::Dark, socam_dashboard::View::Live));
+    let at = top(&closed);
+    for address in ["udp:0.0.0.0:9870", "slcan:/dev/ttyACM0?bitrate=500k", "moteus:/dev/ttyACM0?id=1"] {
+        closed.state_mut().workspace.device = address.into();
+        closed.run_steps(3);
+        assert_eq!(top(&closed), at, "{address}");
+    }
+    let (open, _bench) = connected();
+    assert_eq!(top(&open), at, "connected");
+}
+
 #[test]
 fn arm_run_and_stop_never_move() {
     for size in [[640.0, 420.0], [1280.0, 800.0]] {

@@ -160,6 +160,32 @@ fn the_rail_has_the_verdict_of_each_step() {
     window.run_steps(3);
     window.get_by_label_contains("Step Diagnose: Physics is missing");
     assert!(window.state().workspace.rail.diagnosis.is_some());
+
+    // The last step leads to what it says, below findings that fill a low window.
+    window.set_size(egui::vec2(1280.0, 420.0));
+    window.run_steps(3);
+    let next = |window: &Window| window.get_by_label("What to record next").rect();
+    assert!(next(&window).top() > 420.0, "{}", next(&window));
+    window.get_by_label_contains("Step Record next: ").click();
+    window.run_steps(5);
+    assert!(next(&window).bottom() < 420.0, "{}", next(&window));
+}
+
+#[test]
+fn a_new_model_says_which_columns_the_recording_lacks() {
+    let mut window = machine("two-mass", 1);
+    click(&mut window, "New model...");
+    write(&mut window, "Parts", "motor 1kgcm2 | coupling jaw | load 2kgm2");
+    write(&mut window, "Drives", "torque@motor:motor_torque_Nm");
+    write(&mut window, "Measured", "speed@load:shaft_rad_s");
+    window.get_by_label_contains("two-mass-1.csv has no shaft_rad_s: write the column of it");
+    write(&mut window, "Measured", "speed@load:load_speed_rad_s");
+    assert!(window.query_by_label_contains("two-mass-1.csv has no").is_none());
+    click(&mut window, "Use");
+    window.run_steps(2);
+    let values: Vec<String> =
+        window.get_all_by_label("Model").filter_map(|node| node.accesskit_node().value()).collect();
+    assert!(values.iter().any(|own| own == "machine, described here"), "{values:?}");
 }
 
 fn column(window: &Window, channel: &str) -> String {

@@ -12,3 +12,4 @@ mod machine;
 mod pictures;
 mod sample;
 mod time;
+mod units;

@@ -8,7 +8,7 @@ use std::time::Duration;
 use egui::{Color32, ColorImage};
 use socam_chart::raster;
 use socam_chart::theme::Look;
-use socam_dashboard::{Viewport, picture};
+use socam_dashboard::{Viewport, picture_by_own_fonts as picture};
 
 use crate::sample;
 

@@ -137,7 +137,7 @@ pub fn diagnose_steady(
             .collect(),
         cpu_s: clock.elapsed().as_secs_f64(),
         warnings: vec![format!(
-            "readings are taken to repeat within {} % of their value (--repeatability); each operating point was left out in turn",
+            "readings are taken to repeat within {} % of their value; each operating point was left out in turn",
             words::short(100.0 * options.repeatability)
         )],
         model: model.name.clone(),

@@ -41,6 +41,20 @@ pub(super) fn what(diagnosis: &Diagnosis, finding: &Finding) -> String {
     if more > 0 { format!("{text}, or one of {more} other explanations") } else { text }
 }
 
+/// A finding with its place in few words, for a line of several: the law that was fitted, and whether another may be meant.
+pub(super) fn brief(diagnosis: &Diagnosis, finding: &Finding) -> String {
+    let (effect, place) = (words::effect(&finding.effect), &finding.location);
+    let all = explanations(diagnosis, finding);
+    let nodes = answer::of_finding(diagnosis, finding);
+    let mut places = all.iter().map(|own| own.1).chain(nodes.iter().map(|node| node.parts().1));
+    let is_elsewhere = places.any(|other| other != place);
+    match (all.len() > 1 || is_shallow(diagnosis, finding), is_elsewhere) {
+        (_, true) => format!("{effect} at {place}, or a competing model"),
+        (true, false) => format!("{effect} or a competing model at {place}"),
+        (false, false) => format!("{effect} at {place}"),
+    }
+}
+
 /// The law that was fitted, with its place or, where the answer's nodes have no other, `there`.
 pub(super) fn fitted(finding: &Finding, nodes: &[&AnswerNode], there: &str) -> String {
     let effect = words::effect(&finding.effect);

@@ -194,6 +194,27 @@ fn every_kind_of_tie_has_its_words() {
     }
 }
 
+/// Of several findings the title names the law of each, and its claims the competing ones.
+#[test]
+fn a_title_of_several_findings_is_short() {
+    let mut several = with_rivals(&[("stribeck_friction", "motor_bearing", 0.5)]);
+    let mut other = several.findings[0].clone();
+    (other.effect, other.location) = ("mesh_loss".into(), "mesh".into());
+    other.rivals.clear();
+    several.findings.push(other);
+    let said = headline(&several);
+    assert_eq!(
+        said.title,
+        "Physics is missing: Coulomb friction or a competing model at motor_bearing and mesh loss at mesh"
+    );
+    assert_eq!(said.claims[0].what, "Coulomb friction or Stribeck friction at motor_bearing");
+    several.findings[0].rivals[0].location = "load_bearing".into();
+    assert_eq!(
+        headline(&several).title,
+        "Physics is missing: (1) Coulomb friction at motor_bearing, or a competing model; (2) mesh loss at mesh"
+    );
+}
+
 #[test]
 fn a_size_that_is_not_determined_is_no_number() {
     let mut diagnosis = with_rivals(&[]);

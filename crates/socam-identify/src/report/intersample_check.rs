@@ -78,7 +78,7 @@ impl Moved {
             );
         }
         format!(
-            "the recordings do not tell whether {input} is {kind} or {other} between its samples; {kind} was taken, and {other} would move {parameter} by {half_widths:.1} half-widths of its interval: find out what drives it, and say so with --between {input}={other} or `between` in the model file"
+            "the recordings do not tell whether {input} is {kind} or {other} between its samples; {kind} was taken, and {other} would move {parameter} by {half_widths:.1} half-widths of its interval: find out what drives it, and state it by `between` of {input} in the model file"
         )
     }
 }

@@ -54,7 +54,7 @@ pub(crate) fn starts_warning(Starts { costs, .. }: &Starts) -> Option<String> {
     let best = costs.iter().copied().fold(f64::INFINITY, f64::min);
     let reached = costs.iter().filter(|cost| **cost < 1.05 * best).count();
     (costs.len() > 1 && reached * 3 < costs.len()).then(|| {
-        format!("only {reached} of {} starts came near the best minimum; there may be a better one: try --starts with a larger number", costs.len())
+        format!("only {reached} of {} starts came near the best minimum; there may be a better one: try more starts", costs.len())
     })
 }
 

@@ -101,12 +101,12 @@ fn beside(path: &Path) -> Result<PathBuf> {
         [only] => Ok(only.clone()),
         [] => Err(ImportError::file(
             path,
-            "holds frames of a CAN bus and not what they mean: name the DBC by `--dbc FILE` or in a mapping ([can] dbc = \"FILE\"), or put it beside the log",
+            "holds frames of a CAN bus and not what they mean: put the DBC beside the log, or name it, as in a mapping ([can] dbc = \"FILE\")",
         )),
         several => Err(ImportError::file(
             path,
             format!(
-                "holds frames of a CAN bus, and {} DBC lie beside it: name one by `--dbc FILE` or in a mapping ([can] dbc = \"FILE\")",
+                "holds frames of a CAN bus, and {} DBC lie beside it: name one of them, as in a mapping ([can] dbc = \"FILE\")",
                 several.len()
             ),
         )),

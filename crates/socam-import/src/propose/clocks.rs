@@ -25,6 +25,7 @@ fn clock(index: usize, group: &Group) -> ProposedClock {
         assumed: None,
         times: None,
         stamps: Stamps::Exact,
+        restarts: None,
         offset: None,
     };
     let candidates = group.signals.iter().enumerate().filter_map(|(column, signal)| {
@@ -54,8 +55,23 @@ fn clock(index: usize, group: &Group) -> ProposedClock {
         Some((_, column, unit, assumed, times, stamps)) => {
             ProposedClock { time: Some((column, unit)), assumed, times: Some(times), stamps, ..none }
         }
-        None => none,
+        None => ProposedClock { restarts: group.signals.iter().find_map(restarts), ..none },
     }
+}
+
+/// Where a signal that is named as a time begins anew: "`time` begins anew at row 501 and 3 more times".
+fn restarts(signal: &Signal) -> Option<String> {
+    time_unit(signal)?;
+    let pairs = signal.values.windows(2).enumerate();
+    // The first row of numbers is row 1.
+    let mut rows = pairs.filter(|(_, pair)| pair[1] < pair[0]).map(|(row, _)| row + 2);
+    let first = rows.next()?;
+    let more = match rows.count() {
+        0 => String::new(),
+        1 => " and once more".into(),
+        more => format!(" and {more} more times"),
+    };
+    Some(format!("`{}` begins anew at row {first}{more}", signal.name))
 }
 
 /// Whether a signal has the unit of a channel.

@@ -47,6 +47,8 @@ pub struct ClockChoice {
     pub is_stated: bool,
     /// Rows per second where no signal has the times. 1 numbers the rows.
     pub rate_hz: f64,
+    /// Where one that is named as a time begins anew, in words.
+    pub restarts: Option<String>,
     has_jitter: bool,
 }
 
@@ -81,6 +83,7 @@ impl Columns {
                 unit: unit.map_or_else(String::new, |(_, unit)| unit.clone()),
                 is_stated: clock.assumed.is_none(),
                 rate_hz: 1.0,
+                restarts: clock.restarts.clone(),
                 has_jitter: clock.stamps == Stamps::Jitter,
             }
         };
@@ -174,6 +177,12 @@ impl Columns {
             }
             notes.push(Warning::Note(format!("{PLAIN_NUMBERS}: {list}")));
         }
+        let numbered = self.clocks.iter().filter(|clock| clock.time.is_none() && clock.rate_hz == 1.0);
+        notes.extend(numbered.filter_map(|clock| clock.restarts.as_ref()).map(|why| {
+            Warning::Note(format!(
+                "{why}, so that its rows are numbered and have no times: write each part as a file of its own, or state the rate"
+            ))
+        }));
         import_noted(selection, &mapping, notes)
     }
 
@@ -234,6 +243,26 @@ mod tests {
         assert_eq!((channel.name.as_str(), channel.unit), ("motor_speed", Unit::RadPerS));
         columns.columns[0].name = "motor speed".into();
         assert!(columns.mapping().unwrap_err().contains("is no name of a channel"));
+    }
+
+    /// A test that is repeated into one table: its times are no clock, which is said.
+    #[test]
+    fn a_time_that_begins_anew_is_said() {
+        let rows: String =
+            (0..90).map(|row| format!("{:.2},{}\n", 0.01 * f64::from(row % 30), row % 7)).collect();
+        let (_folder, path) = file("repeated.csv", &format!("time,a\n{rows}"));
+        let mut columns = Columns::of(&path).unwrap();
+        let restarts = "`time` begins anew at row 31 and once more";
+        assert_eq!(columns.clocks[0].restarts.as_deref(), Some(restarts));
+        let selection = Selection::parse(&path.display().to_string()).unwrap();
+        let said = |data: &socam_recording::Dataset| {
+            data.warnings().iter().any(|own| own.to_string().starts_with(restarts))
+        };
+        assert!(said(&columns.import(&selection).unwrap().data));
+        columns.clocks[0].rate_hz = 100.0;
+        assert!(!said(&columns.import(&selection).unwrap().data));
+        let refused = crate::propose::import_stated(&selection, None).unwrap_err().to_string();
+        assert!(refused.contains(restarts), "{refused}");
     }
 
     #[test]

@@ -86,7 +86,11 @@ impl Draft {
         self.clocks.iter().filter(|clock| clock.time.is_none()).map(|clock| {
             let group = &self.source.groups[clock.group].name;
             let place = if group.is_empty() { String::new() } else { format!(" of group `{group}`") };
-            format!("when the samples{place} were taken")
+            let why = clock.restarts.as_ref();
+            let why = why.map(|why| {
+                format!(" ({why}: write each part as a file of its own, or the rate in a mapping)")
+            });
+            format!("when the samples{place} were taken{}", why.unwrap_or_default())
         })
     }
 

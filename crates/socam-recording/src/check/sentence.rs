@@ -113,7 +113,7 @@ impl Finding {
                 return excite(resonances, *highest_hz).into();
             }
             Self::MissingChannels { .. } => {
-                "check with the model that describes this bench (`--model`), or rename the columns in the model's [channels]"
+                "check with the model that describes this bench, or rename the columns in the model's [channels]"
             }
             Self::TooShort { .. } => "record at least ten seconds",
             Self::Gaps { .. } | Self::LostSamples { .. } => {
@@ -127,7 +127,7 @@ impl Finding {
                 "drive it: record the `multisine` profile (or `prbs`, `chirp`)"
             }
             Self::Constant { .. } => "check the sensor's cable and supply, or leave the channel out",
-            Self::InputUnknown => "name it (`--input CHANNEL`)",
+            Self::InputUnknown => "name the channel that drives the bench",
             Self::Buried { is_input: true, .. } => "raise the profile's amplitude",
             Self::Buried { .. } => {
                 "raise the profile's amplitude, average more periods, or leave the channel out"
@@ -196,7 +196,7 @@ fn excite(resonances: &[Resonance], highest_hz: f64) -> String {
     };
     if highest_hz < SAMPLES_PER_PERIOD / 2.0 * top_hz {
         let rate_hz = (SAMPLES_PER_PERIOD * top_hz / 1000.0).ceil() * 1000.0;
-        words += &format!(", with at least --rate {rate_hz:.0}");
+        words += &format!(", at {rate_hz:.0} samples per second or more");
     }
     words
 }
@@ -236,7 +236,7 @@ mod tests {
         let resonance = Resonance { frequency_hz: 400.0, parameters: vec!["k".into()] };
         assert_eq!(
             excite(&[resonance], 500.0),
-            "record a multisine with `to_Hz` above 520 in a profile file of your own, with at least --rate 2000"
+            "record a multisine with `to_Hz` above 520 in a profile file of your own, at 2000 samples per second or more"
         );
     }
 }

@@ -134,7 +134,7 @@ fn evidence(finding: &Finding, proof: Proof<'_>) -> Markup {
                 dt { "Gain in log score, cross-validated" }
                 dd { (words::rough(gain)) " (standard error " (words::rough(std)) ")" }
             }
-            dt { "Misfit removed from " (gain.map_or("held-out recordings", |(data, _)| data)) }
+            dt { "Misfit above the noise floor that is removed, " (gain.map_or("held-out recordings", |(data, _)| data)) }
             dd { (percent(gain.map(|(_, gain)| gain))) }
             @if let (Some(share), Some(channel)) = (evidence.moves_percent, &evidence.moves_channel) {
                 dt { "Moves " (channel) " by" }

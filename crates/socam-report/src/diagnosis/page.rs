@@ -168,7 +168,7 @@ fn before_and_after(diagnosis: &Diagnosis) -> Markup {
     html! {
         p {
             "Root mean square of measured minus predicted, the model running free. A perfect model leaves the noise floor: "
-            "1.00 in noise floors."
+            "1.00 in noise floors. Percentages of a misfit are of the mean square above that floor."
         }
         (tables::fit(diagnosis))
     }

@@ -244,6 +244,9 @@ fn draw(
         dashboard.layout.view = view;
         image = picture(dashboard, viewport, PATIENCE).map_err(|e| anyhow!(e))?;
     }
+    if let Some(sentence) = dashboard.missing_letters() {
+        output::warn(format_args!("{sentence}"));
+    }
     let problem = dashboard.problems().next();
     // One file of several that cannot be opened does not cost the picture of the others.
     if problem.is_none() || !dashboard.workspace.entries.is_empty() {

@@ -19,6 +19,7 @@ pub(super) fn target(wanted: &Wanted) -> anyhow::Result<(Target, SourceArgs)> {
         describe: path(description.trim(), needs == Needs::Description),
         accept_guesses: *takes_guesses && needs == Needs::Description,
         dbc: path(dbc.trim(), needs == Needs::Dbc),
+        is_of_window: true,
     };
     Ok((record_source::of(&target, &args)?, args))
 }

@@ -54,6 +54,7 @@ impl eframe::App for Window {
             }
         }
         self.dashboard.ui(ui);
+        self.dashboard.say_missing_letters();
         let title = self.dashboard.title();
         if title != self.title {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
@@ -82,6 +83,7 @@ pub(super) fn show(
     let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
     let start = move |context: &eframe::CreationContext<'_>| {
         dashboard.set_up(&context.egui_ctx);
+        dashboard.look_for_letters(&context.egui_ctx);
         if connects {
             dashboard.workspace.connect(wake(&context.egui_ctx));
         }

@@ -75,7 +75,7 @@ fn one(number: usize, finding: &Finding, proof: Proof<'_>) -> String {
         line(format!("cross-validation: log score {gain} higher, standard error {std}"));
     }
     if let (Some(data), Some(gain)) = (proof.tried_on(), proof.gain_percent(finding)) {
-        line(format!("{data}: {} % of the misfit is removed", words::rough(gain)));
+        line(format!("{data}: {} % of the misfit above the noise floor is removed", words::rough(gain)));
     }
     if let (Some(share), Some(channel)) = (evidence.moves_percent, &evidence.moves_channel) {
         let note =

@@ -20,7 +20,7 @@ pub(super) fn open(
     interrupt: &Interrupt,
 ) -> anyhow::Result<Opened> {
     match node {
-        Node::Dbc => listened(link, &address.to_string(), bus(address)?, args.dbc.as_deref(), interrupt),
+        Node::Dbc => listened(link, &address.to_string(), bus(address)?, args, interrupt),
         Node::Odrive(node) => Ok(Opened::asked(Box::new(odrive(address, node, period_ns)?))),
         Node::Canopen(node) => canopen(args, address, node, period_ns),
     }
@@ -32,7 +32,7 @@ fn listened(
     link: &mut Link,
     name: &str,
     bus: &Bus,
-    dbc: Option<&std::path::Path>,
+    args: &SourceArgs,
     interrupt: &Interrupt,
 ) -> anyhow::Result<Opened> {
     use std::sync::Arc;
@@ -44,8 +44,8 @@ fn listened(
     use crate::device::source::listen;
     use crate::output;
 
-    let Some(dbc) = dbc else {
-        let problem = format!("{name}: what the frames hold is not known: name a DBC by --dbc FILE");
+    let Some(dbc) = args.dbc.as_deref() else {
+        let problem = format!("{name}: what the frames hold is not known: name a DBC {}", args.by_dbc());
         return Err(WrongArguments(problem).into());
     };
     let signals = Arc::new(CanSignals::open(dbc)?);
@@ -81,7 +81,8 @@ fn canopen(args: &SourceArgs, address: &SourceAddress, node: u8, period_ns: i64)
 
     let Some(list) = args.describe.as_deref() else {
         let problem = format!(
-            "{address}: which objects are recorded is not known: name a list of them by --describe FILE, as docs/devices.md explains it"
+            "{address}: which objects are recorded is not known: name a list of them {}, as docs/devices.md explains it",
+            args.by_description()
         );
         return Err(WrongArguments(problem).into());
     };

@@ -20,6 +20,22 @@ pub(crate) struct SourceArgs {
     /// DBC that says what the frames of a CAN bus hold
     #[arg(long, value_name = "FILE.dbc")]
     pub(crate) dbc: Option<PathBuf>,
+    /// Whether they come from the window, whose fields are then named instead of options.
+    #[arg(skip)]
+    pub(crate) is_of_window: bool,
+}
+
+impl SourceArgs {
+    /// How a description is given: "by --describe FILE".
+    pub(super) fn by_description(&self) -> &'static str {
+        if self.is_of_window { "in the field Description" } else { "by --describe FILE" }
+    }
+
+    /// How a DBC is given.
+    #[cfg(feature = "formats-can")]
+    pub(super) fn by_dbc(&self) -> &'static str {
+        if self.is_of_window { "in the field DBC" } else { "by --dbc FILE" }
+    }
 }
 
 /// A description with its text.
@@ -55,8 +71,11 @@ pub(super) fn described(
         Err(error @ SourceError::Unstated { .. }) => {
             let todo = match &args.describe {
                 Some(file) => format!("replace each \"?\" in `{}`, and record again", file.display()),
-                None => "name a file by --describe D.toml, which is written for you to complete, or take the likeliest by --accept-guesses"
-                    .to_owned(),
+                None if args.is_of_window => "name its description in the field below the address".into(),
+                None => format!(
+                    "name a file {}, which is written for you to complete, or take the likeliest by --accept-guesses",
+                    args.by_description()
+                ),
             };
             anyhow::bail!("{name}: {error}: {todo}")
         }

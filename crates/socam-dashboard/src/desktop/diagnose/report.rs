@@ -8,6 +8,7 @@ use socam_model::Model;
 use socam_report::{FileHash, Provenance};
 
 use crate::diagnosis::Shown;
+use socam_workbench::origin::Origin;
 use socam_workbench::purpose::Purpose;
 use socam_workbench::{Content, Request, Workspace};
 
@@ -87,7 +88,10 @@ impl Made {
             }
             if ui.button("Use as model").clicked() {
                 match Model::parse(&self.model_toml) {
-                    Ok(model) => workspace.request(Request::Model(Box::new(model))),
+                    Ok(model) => {
+                        workspace.origins.note(&model, Origin::Diagnosis);
+                        workspace.request(Request::Model(Box::new(model)));
+                    }
                     Err(error) => workspace.request(Request::Warn(error.to_string())),
                 }
             }

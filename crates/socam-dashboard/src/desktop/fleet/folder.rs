@@ -111,7 +111,7 @@ impl Folder {
 /// Text on what to do if the fleet's model is not built in.
 pub(super) fn unknown_model(opened: &Opened) -> String {
     format!(
-        "the model {} of this fleet is not built in: start the dashboard with --model and its file, or open the file, to compare recordings with it",
+        "the model {} of this fleet is not built in: open its file to compare recordings with it",
         opened.about.model
     )
 }

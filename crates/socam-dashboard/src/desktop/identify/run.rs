@@ -10,6 +10,7 @@ use super::super::fitting::{datasets, monitor, sentence};
 use super::predictions::{self, Predicted};
 use socam_workbench::identification::Identification;
 use socam_workbench::job::{CANCELLED, Handle};
+use socam_workbench::origin::Origin;
 use socam_workbench::purpose::Purpose;
 use socam_workbench::setup::Chosen;
 use socam_workbench::{Content, Request, Workspace};
@@ -61,6 +62,7 @@ impl Found {
     pub(super) fn offers(&self, ui: &mut Ui, workspace: &mut Workspace) {
         ui.horizontal_wrapped(|ui| {
             if ui.button("Use as model").clicked() {
+                workspace.origins.note(&self.model, Origin::Identification);
                 workspace.request(Request::Model(Box::new(self.model.clone())));
             }
             if ui.button("Save model file...").clicked() {

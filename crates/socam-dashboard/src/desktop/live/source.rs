@@ -8,6 +8,9 @@ use socam_workbench::device::{FORMS, Needs, Source, Stated, Unstated};
 
 use super::parts::{Action, card};
 
+/// Height of what stands below the address, points: while an address is typed, and when the link is opened, no field below it moves.
+const BELOW: f32 = 62.0;
+
 /// Address of the device, what is said of it, and the state of the link.
 pub(super) fn link(
     ui: &mut Ui,
@@ -32,13 +35,15 @@ pub(super) fn link(
             action = Some(Action::Disconnect);
         }
     });
-    ui.add_enabled_ui(closed, |ui| {
+    let top = ui.cursor().top();
+    if closed {
         say(ui, Needs::of(device), stated);
-    });
+    }
     if let Link::Open { board, .. } = bench.link() {
         ui.label(RichText::new(board).small().color(theme::weak(ui)));
     }
     health(ui, bench);
+    ui.add_space((top + BELOW - ui.cursor().top()).max(0.0));
     if let Some(unstated) = bench.source().and_then(|source| source.unstated.as_ref()) {
         action = write(ui, unstated).or(action);
     }
@@ -69,7 +74,10 @@ fn say(ui: &mut Ui, needs: Needs, stated: &mut Stated) {
         });
     };
     match needs {
-        Needs::Nothing => {}
+        Needs::Nothing => {
+            let text = "It states its channels and units itself.";
+            ui.add(Label::new(RichText::new(text).small().color(theme::weak(ui))).wrap());
+        }
         Needs::Description => {
             let hint = "File that says what lines of text hold: names, units, clock. Without it, what the device does not state is drawn as plain numbers. Leave it empty for the own board.";
             field(ui, "Description", &mut stated.description, hint);

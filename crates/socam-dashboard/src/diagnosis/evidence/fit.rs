@@ -3,13 +3,14 @@
 use egui::{RichText, Ui, vec2};
 use socam_findings::Diagnosis;
 
-use super::colours;
+use super::{colours, shown_in};
 use crate::diagnosis::choice::Sides;
 use socam_chart::numbers::number;
 use socam_chart::table::heads;
 use socam_chart::theme;
+use socam_workbench::display_units::{DisplayUnits, ShownIn};
 
-pub(super) fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides) {
+pub(super) fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides, units: &DisplayUnits) {
     ui.label(
         RichText::new(
             "Root mean square residual in units of the noise floor: 1 is all that a perfect model could do",
@@ -20,6 +21,7 @@ pub(super) fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides) {
     egui::Grid::new("fit bars").striped(true).spacing([18.0, 6.0]).show(ui, |ui| {
         heads(ui, &["channel", "data", "", "before", "after", "noise floor", "unit"]);
         for (name, fit) in &diagnosis.fit.channels {
+            let ShownIn { unit, per_si } = shown_in(units, name, &fit.unit);
             let rows = [
                 ("fitted", fit.rms_before, fit.rms_after),
                 ("held out", fit.holdout_rms_before, fit.holdout_rms_after),
@@ -29,9 +31,10 @@ pub(super) fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides) {
                 ui.label(data);
                 bars(ui, [before, after], fit.noise_std, sides);
                 for value in [before, after, fit.noise_std] {
-                    ui.label(RichText::new(value.map_or("-".into(), number)).monospace());
+                    let text = value.map_or("-".into(), |value| number(per_si * value));
+                    ui.label(RichText::new(text).monospace());
                 }
-                ui.label(&fit.unit);
+                ui.label(&unit);
                 ui.end_row();
             }
         }

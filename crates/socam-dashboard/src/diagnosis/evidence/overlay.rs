@@ -3,11 +3,12 @@
 use egui::{Ui, vec2};
 use socam_findings::document::Overlay;
 
-use super::colours;
+use super::{colours, shown_in};
 use crate::diagnosis::choice::Sides;
 use socam_chart::beside::{self, measured, predicted, predicted_before};
 use socam_chart::chart::{Chart, Curve, Seen, Style, range_of, with_room};
 use socam_chart::thin::thinned;
+use socam_workbench::display_units::{DisplayUnits, ShownIn};
 use socam_workbench::recording::short;
 
 /// Share of the height that the signals take; the residuals take the rest.
@@ -15,7 +16,8 @@ const SIGNALS: f32 = 0.64;
 /// Height above which the residuals are drawn too, points.
 const ROOM: f32 = 260.0;
 
-pub(super) fn ui(ui: &mut Ui, overlay: &Overlay, sides: Sides, seen: &mut Vec<Seen>) {
+pub(super) fn ui(ui: &mut Ui, overlay: &Overlay, sides: Sides, units: &DisplayUnits, seen: &mut Vec<Seen>) {
+    let ShownIn { unit, per_si } = shown_in(units, &overlay.channel, &overlay.unit);
     legend(ui, overlay, sides);
     let height = ui.available_height();
     let has_room = height > ROOM;
@@ -24,14 +26,14 @@ pub(super) fn ui(ui: &mut Ui, overlay: &Overlay, sides: Sides, seen: &mut Vec<Se
     let [has_before, has_after] = [sides != Sides::After, sides != Sides::Before];
     let kind = if overlay.held_out { "held out" } else { "fitted" };
     let title = format!(
-        "{}: measured and predicted, {} ({}, {kind})",
+        "{}: measured and predicted, {unit} ({}, {kind})",
         overlay.channel,
-        overlay.unit,
         short(&overlay.recording)
     );
     let spacing = ui.spacing().item_spacing.y;
-    let line =
-        |values: &[Option<f64>], is_drawn: bool| if is_drawn { parts(overlay, values) } else { Vec::new() };
+    let line = |values: &[Option<f64>], is_drawn: bool| {
+        if is_drawn { parts(overlay, values, per_si) } else { Vec::new() }
+    };
     let mut signals = chart(ui, "overlay", title, share * height - spacing, overlay);
     signals.curves = vec![
         predicted_before("before", before, line(&overlay.before, has_before)),
@@ -44,7 +46,7 @@ pub(super) fn ui(ui: &mut Ui, overlay: &Overlay, sides: Sides, seen: &mut Vec<Se
     fit(&mut signals);
     signals.show(ui, seen);
     if has_room {
-        let title = format!("{}: measured minus predicted, {}", overlay.channel, overlay.unit);
+        let title = format!("{}: measured minus predicted, {unit}", overlay.channel);
         let mut residuals = chart(ui, "overlay residual", title, (1.0 - share) * height, overlay);
         residuals.x_label = "time, s".into();
         residuals.curves = vec![
@@ -87,9 +89,9 @@ fn residual(name: &str, colour: egui::Color32, parts: Vec<Vec<[f64; 2]>>) -> Cur
     Curve { name: name.into(), colour, parts, style: Style::Solid }
 }
 
-/// A signal in parts without missing values.
-fn parts(overlay: &Overlay, values: &[Option<f64>]) -> Vec<Vec<[f64; 2]>> {
-    let points = overlay.time_s.iter().zip(values).map(|(t, value)| [*t, value.unwrap_or(f64::NAN)]);
+/// A signal in parts without missing values, in a unit with so many per SI unit.
+fn parts(overlay: &Overlay, values: &[Option<f64>], per_si: f64) -> Vec<Vec<[f64; 2]>> {
+    let points = overlay.time_s.iter().zip(values).map(|(t, value)| [*t, per_si * value.unwrap_or(f64::NAN)]);
     thinned(&points.collect::<Vec<_>>(), usize::MAX / 4)
 }
 

@@ -67,14 +67,14 @@ impl Database {
         if length > LONGEST {
             return Err(ImportError::file(
                 path,
-                format!("has {length} bytes, which is too long for a DBC; name another by --dbc"),
+                format!("has {length} bytes, which is too long for a DBC; name another"),
             ));
         }
         let bytes = std::fs::read(path).map_err(|error| ImportError::io(path, error))?;
         let (text, ..) = crate::text::encoding(&bytes).decode(&bytes);
         let dbc = Dbc::try_from(&*text).map_err(|error| {
             let problem = format!(
-                "is no DBC that can be read ({}); correct it, or name another by --dbc",
+                "is no DBC that can be read ({}); correct it, or name another",
                 short(&error.to_string())
             );
             ImportError::file(path, problem)

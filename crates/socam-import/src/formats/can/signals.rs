@@ -79,7 +79,7 @@ impl<'d> Signals<'d> {
                 "holds no frame with data; record again".to_owned()
             } else {
                 format!(
-                    "holds no frame that `{}` describes, but {}; name the DBC of this bus by `--dbc FILE`",
+                    "holds no frame that `{}` describes, but {}; name the DBC of this bus",
                     database.path.display(),
                     identifiers(&unknown)
                 )

@@ -139,13 +139,14 @@ fn addresses(args: &Args) -> Result<Vec<SourceAddress>, WrongArguments> {
 
 /// The options that concern a device.
 fn source_args(args: &Args, address: &SourceAddress) -> SourceArgs {
-    let SourceArgs { describe, accept_guesses, dbc } = args.source.clone();
+    let SourceArgs { describe, accept_guesses, dbc, is_of_window } = args.source.clone();
     let is_described = address.protocol.is_described();
     let is_bus = address.protocol == Protocol::Can(Node::Dbc);
     SourceArgs {
         describe: describe.filter(|_| is_described),
         accept_guesses: accept_guesses && is_described && !matches!(address.protocol, Protocol::Can(_)),
         dbc: dbc.filter(|_| is_bus),
+        is_of_window,
     }
 }
 
