@@ -176,7 +176,10 @@ fn nothing_leaves_for_a_drive_that_is_not_armed_or_whose_profile_passes_its_limi
         };
         for (more, sentence) in [
             (&LIMITS[..], "nothing was sent: add --arm to let the drive move"),
-            (&["--limit", "9rad/s", "--limit", "0.5Nm", "--arm"], "reaches 10 rad/s, beyond --limit 9 rad/s"),
+            (
+                &["--limit", "9rad/s", "--limit", "0.5Nm", "--arm"],
+                "reaches 10 rad/s, beyond the limit of 9 rad/s",
+            ),
             (&["--limit", "15rad/s", "--arm"], "needs one --limit of its speed and one of its torque"),
             (
                 &["--limit", "15rad/s", "--limit", "5A", "--arm"],

@@ -204,7 +204,7 @@ impl Dashboard {
             Document::Signal(_) if !platform::HAS_BENCH => self.warn(
                 "that is an input signal: it takes a bench, which only the program on a desktop can reach",
             ),
-            Document::Signal(file) => match self.workspace.signal.take(&file) {
+            Document::Signal(file) => match self.workspace.take_signal(&file) {
                 Ok(()) => self.layout.view = View::Live,
                 Err(sentence) => self.warn(sentence),
             },

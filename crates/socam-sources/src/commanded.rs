@@ -34,8 +34,8 @@ enum Phase {
 }
 
 /// A drive with a profile to follow.
-pub struct Commanded<D> {
-    drive: D,
+pub struct Commanded {
+    drive: Box<dyn Drive>,
     channels: Vec<Channel>,
     supervisor: Supervisor,
     profile: Generator,
@@ -58,13 +58,13 @@ pub struct Commanded<D> {
     is_stopped_by_operator: bool,
 }
 
-impl<D: Drive> Commanded<D> {
+impl Commanded {
     /// A drive that will follow a profile, sampled at an interval, within limits that the caller has compared the profile with.
     ///
     /// # Errors
     /// When the profile cannot be sampled at this interval.
     pub fn new(
-        mut drive: D,
+        mut drive: Box<dyn Drive>,
         profile: &Profile,
         period_us: u32,
         limits: Limits,
@@ -95,6 +95,22 @@ impl<D: Drive> Commanded<D> {
     #[must_use]
     pub fn longest_period_s() -> f64 {
         LONGEST_PERIOD_NS as f64 * 1e-9
+    }
+
+    /// The limit of each channel, in its unit.
+    #[must_use]
+    pub fn channel_limits(&self) -> Vec<Option<f64>> {
+        let (watched, limits) = (self.drive.watched(), self.supervisor.limits);
+        let mut all = vec![None; self.channels.len()];
+        let command = self.channels.len() - 1;
+        for (channel, limit) in [
+            (watched.speed, limits.speed_rad_s),
+            (watched.effort, limits.effort),
+            (command, limits.speed_rad_s),
+        ] {
+            all[channel] = Some(limit);
+        }
+        all
     }
 
     /// Stops the drive, for a reason if the profile has not ended.
@@ -240,7 +256,7 @@ impl<D: Drive> Commanded<D> {
     }
 }
 
-impl<D: Drive> Device for Commanded<D> {
+impl Device for Commanded {
     fn kind(&self) -> String {
         self.drive.kind().replace("which is only asked", "which follows a profile")
     }

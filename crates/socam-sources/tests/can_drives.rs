@@ -25,7 +25,7 @@ fn simulated(firmware: Firmware) -> BusSimulator<OdriveCanSimulator> {
     BusSimulator::new(OdriveCanSimulator::new(3, firmware, Motor::at_rest(Inertia::SMALL, 0.1)))
 }
 
-fn commanded() -> Commanded<OdriveCan> {
+fn commanded() -> Commanded {
     let shape =
         Shape::Sine { offset_micro: 0, amplitude_micro: 10_000_000, frequency_uhz: 1_000_000, periods: None };
     let profile = Profile {
@@ -38,7 +38,7 @@ fn commanded() -> Commanded<OdriveCan> {
     };
     let limits =
         Limits { speed_rad_s: 15.0, effort: 5.0, acceleration_rad_s2: 200.0, watchdog_s: WATCHDOG_S };
-    Commanded::new(odrive(3), &profile, PERIOD_US, limits).unwrap()
+    Commanded::new(Box::new(odrive(3)), &profile, PERIOD_US, limits).unwrap()
 }
 
 /// What happened to a run.

@@ -32,15 +32,15 @@ fn limits(effort: f64) -> Limits {
     Limits { speed_rad_s: 15.0, effort, acceleration_rad_s2: 200.0, watchdog_s: WATCHDOG_S }
 }
 
-fn commanded<D: Drive>(drive: D, effort: f64) -> Commanded<D> {
-    Commanded::new(drive, &profile(), PERIOD_US, limits(effort)).unwrap()
+fn commanded(drive: impl Drive + 'static, effort: f64) -> Commanded {
+    Commanded::new(Box::new(drive), &profile(), PERIOD_US, limits(effort)).unwrap()
 }
 
-fn moteus() -> Commanded<Moteus> {
+fn moteus() -> Commanded {
     commanded(Moteus::new(1, i64::from(PERIOD_US) * 1000).unwrap(), 0.5)
 }
 
-fn odrive() -> Commanded<Odrive> {
+fn odrive() -> Commanded {
     commanded(Odrive::new(0, i64::from(PERIOD_US) * 1000).unwrap(), 5.0)
 }
 

@@ -10,7 +10,7 @@ use socam_core::State;
 
 use crate::about::Happening;
 use crate::buffer::Buffer;
-use crate::device::{Peer, Source, SourceState, Wanted};
+use crate::device::{Offer, Peer, Source, SourceState, Wanted};
 use crate::job::Wake;
 use crate::link::{Connector, Health, News, Order, Plan, Port};
 use crate::queue::Batch;
@@ -87,7 +87,13 @@ impl Connection {
     /// Whether a device is connected that can be commanded from here.
     #[must_use]
     pub fn is_commanded(&self) -> bool {
-        matches!(self.link, Link::Open { peer: Peer::Board, .. })
+        matches!(self.link, Link::Open { peer: Peer::Board, .. }) || self.offer().is_some()
+    }
+
+    /// How the device is commanded, if it is a drive.
+    #[must_use]
+    pub fn offer(&self) -> Option<&Offer> {
+        self.source()?.offer.as_ref()
     }
 
     /// The device, if one is connected that is listened to or asked.
@@ -125,10 +131,12 @@ impl Connection {
             (Link::Opening, _) => "connecting".into(),
             (Link::Open { peer: Peer::Source(source), .. }, _) => {
                 let is_away = self.source.as_ref().is_some_and(|state| state.away.is_some());
+                let is_at_rest = matches!(self.state(), None | Some(State::Idle));
                 let doing = match (is_away, source.is_asked) {
-                    (true, _) => "no samples",
-                    (false, true) => "asking",
-                    (false, false) => "listening",
+                    (_, _) if !is_at_rest => self.state().map_or_else(String::new, |state| state.to_string()),
+                    (true, _) => "no samples".into(),
+                    (false, true) => "asking".into(),
+                    (false, false) => "listening".into(),
                 };
                 format!("{doing}{}", if self.is_recording() { ", recording" } else { "" })
             }
@@ -220,7 +228,7 @@ impl Connection {
         self.order(Order::Connect(Box::new(device)));
     }
 
-    /// Closes the link. A link that is still being opened is abandoned: its thread finds the channel closed and ends.
+    /// Closes the link; a drive that moves fades and stops before. A link that is still being opened is abandoned: its thread finds the channel closed and ends.
     pub fn disconnect(&mut self) {
         if self.link == Link::Opening {
             (self.link, self.port) = (Link::Closed, None);

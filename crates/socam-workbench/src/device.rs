@@ -76,7 +76,7 @@ pub struct Wanted {
 pub enum Peer {
     /// A board, which is armed, run and stopped.
     Board,
-    /// A source of samples, for which no command leaves.
+    /// Another device: listened to or asked, and commanded if it has an [`Offer`].
     Source(Source),
 }
 
@@ -85,8 +85,8 @@ pub enum Peer {
 pub struct Source {
     /// Whether it is asked for its samples; otherwise it sends them by itself.
     pub is_asked: bool,
-    /// The command by which it follows a profile, if it can.
-    pub commanded_by: Option<String>,
+    /// How it is commanded, if it is a drive that follows profiles.
+    pub offer: Option<Offer>,
     /// What it does not state.
     pub unstated: Option<Unstated>,
 }
@@ -97,6 +97,42 @@ impl Source {
     pub fn words(&self) -> &'static str {
         if self.is_asked { "asked only: no command leaves" } else { "heard only: no command leaves" }
     }
+}
+
+/// What a drive limits beside its speed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// Its torque, N m.
+    Torque,
+    /// Its current, A.
+    Current,
+}
+
+impl Effort {
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        if self == Self::Torque { "torque" } else { "current" }
+    }
+
+    /// Symbol of its unit.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        if self == Self::Torque { "N m" } else { "A" }
+    }
+}
+
+/// How a drive is commanded.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Offer {
+    /// What it limits beside its speed.
+    pub effort: Effort,
+    /// What it keeps to by itself in the run that is armed, or in the last one: a sentence each.
+    pub kept: Vec<String>,
+    /// What it does not promise: a sentence each.
+    pub not_promised: Vec<String>,
+    /// The command that does the same in a terminal.
+    pub command: String,
 }
 
 /// What a device does not state, so that its numbers are drawn as they come.

@@ -180,6 +180,8 @@ pub fn set_amplitude(file: &mut ProfileFile, value: f64) {
 pub struct Signal {
     /// Settings of the panel.
     pub settings: Settings,
+    /// What a new signal begins with.
+    first: Settings,
     undone: Vec<Settings>,
     done: Vec<Settings>,
     /// Note on what was limited last.
@@ -190,6 +192,17 @@ pub struct Signal {
 const REMEMBERED: usize = 100;
 
 impl Signal {
+    /// A signal that begins with these settings.
+    #[must_use]
+    pub fn of(first: Settings) -> Self {
+        Self { settings: first.clone(), first, ..Self::default() }
+    }
+
+    /// Begins a new signal; that can be undone.
+    pub fn renew(&mut self) {
+        self.change(self.first.clone());
+    }
+
     /// Changes the settings within the limits; the change can be undone.
     pub fn change(&mut self, mut settings: Settings) {
         let note = settings.limit();

@@ -16,6 +16,7 @@ pub mod derivations;
 pub mod device;
 pub mod display_units;
 pub mod document;
+pub mod drive_run;
 pub mod element;
 pub mod entry;
 pub mod histogram;

@@ -54,6 +54,17 @@ pub struct Plan {
     pub path: PathBuf,
     /// Note for the recording.
     pub note: String,
+    /// Limits of a drive; a board has its own.
+    pub limits: Option<RunLimits>,
+}
+
+/// Limits within which a drive follows a profile; it stops where they are exceeded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunLimits {
+    /// Largest speed, rad/s.
+    pub speed_rad_s: f64,
+    /// Largest torque, N m, or current, A.
+    pub effort: f64,
 }
 
 /// News of the board and its recorder.

@@ -42,6 +42,7 @@ impl NextRun {
             rate_hz: self.rate_hz,
             path: self.path(),
             note: self.note.trim().to_owned(),
+            limits: None,
         }
     }
 }

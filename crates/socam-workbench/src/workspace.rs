@@ -9,6 +9,7 @@ use socam_recording::{Channel, ProfileFile};
 use crate::connection::Connection;
 use crate::device::{Stated, Wanted};
 use crate::display_units::DisplayUnits;
+use crate::drive_run::DriveRun;
 use crate::entry::Entry;
 use crate::input_signal::Signal;
 use crate::job::Wake;
@@ -124,8 +125,10 @@ pub struct Workspace {
     pub bench: Connection,
     /// Samples of the running bench.
     pub feed: Feed,
-    /// The input signal of the next run.
+    /// The input signal of the next run of a board.
     pub signal: Signal,
+    /// The input signal and the limits of the next run of a drive.
+    pub drive: DriveRun,
     /// The next run.
     pub next_run: NextRun,
     /// Files that were opened last, the latest first.
@@ -162,6 +165,7 @@ impl Workspace {
             bench: Connection::default(),
             feed: Feed::default(),
             signal: Signal::default(),
+            drive: DriveRun::default(),
             next_run: NextRun::default(),
             recent: Vec::new(),
             in_sight: None,
@@ -223,6 +227,7 @@ impl Workspace {
     /// Opens the link to the device.
     pub fn connect(&mut self, wake: Wake) {
         let address = self.device.trim().to_owned();
+        self.drive.connect(&address);
         let wanted = Wanted { address, stated: self.stated.clone(), rate_hz: self.next_run.rate_hz };
         self.bench.connect(wanted, wake);
     }
@@ -232,9 +237,46 @@ impl Workspace {
         self.bench.record(self.next_run.path(), self.next_run.note.trim().to_owned());
     }
 
-    /// Loads the input signal; the board then monitors all limits, and nothing moves.
+    /// The input signal of the next run of what is connected: of a drive in rad/s, else of a board.
+    #[must_use]
+    pub fn present_signal(&self) -> &Signal {
+        if self.bench.offer().is_some() { &self.drive.signal } else { &self.signal }
+    }
+
+    /// The same, to be changed.
+    pub fn present_signal_mut(&mut self) -> &mut Signal {
+        if self.bench.offer().is_some() { &mut self.drive.signal } else { &mut self.signal }
+    }
+
+    /// Makes a built-in form the input signal of what is connected.
+    ///
+    /// # Errors
+    /// When there is none of that name; one sentence.
+    pub fn take_form(&mut self, name: &str) -> Result<(), String> {
+        if self.bench.offer().is_some() { self.drive.choose(name) } else { self.signal.take_built_in(name) }
+    }
+
+    /// Takes an input signal from a file: one of speeds is also one for drives.
+    ///
+    /// # Errors
+    /// When a board would refuse it; one sentence.
+    pub fn take_signal(&mut self, file: &ProfileFile) -> Result<(), String> {
+        let is_speed = file.command != socam_core::Command::Voltage;
+        let is_drive = self.bench.offer().is_some();
+        if is_drive && !is_speed {
+            return Err("that signal is in volts, and a drive takes speeds: disconnect it first".into());
+        }
+        if is_speed {
+            self.drive.signal.take(file)?;
+        }
+        if is_drive { Ok(()) } else { self.signal.take(file) }
+    }
+
+    /// Loads the input signal; all limits are watched then, and nothing moves.
     pub fn arm(&mut self) {
-        self.bench.arm(self.next_run.plan(&self.signal.settings));
+        let mut plan = self.next_run.plan(&self.present_signal().settings);
+        plan.limits = self.bench.offer().and_then(|offer| self.drive.limits(offer.effort));
+        self.bench.arm(plan);
     }
 
     /// Takes what the bench has sent since the last call.

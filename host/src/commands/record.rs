@@ -3,6 +3,7 @@
 mod can;
 pub(crate) mod described;
 mod drive;
+pub(crate) mod following;
 mod foxglove;
 pub(crate) mod opened;
 mod result;

@@ -4,7 +4,6 @@ use egui::Context;
 use socam_chart::theme::{self, Look};
 use socam_workbench::View;
 use socam_workbench::about::short;
-use socam_workbench::input_signal::Settings;
 use socam_workbench::purpose::Purpose;
 
 use super::Dashboard;
@@ -22,8 +21,8 @@ impl Dashboard {
             Command::SaveReport => self.views.peek(self.layout.view).has_report(),
             Command::OwnWindow => !self.is_apart(self.layout.view),
             Command::CloseAll => !self.workspace.entries.is_empty(),
-            Command::Undo => self.has_history() || self.workspace.signal.history()[0],
-            Command::Redo => self.has_history() || self.workspace.signal.history()[1],
+            Command::Undo => self.has_history() || self.workspace.present_signal().history()[0],
+            Command::Redo => self.has_history() || self.workspace.present_signal().history()[1],
             _ => true,
         }
     }
@@ -36,7 +35,7 @@ impl Dashboard {
     pub(crate) fn run(&mut self, ctx: &Context, command: Command) {
         match command {
             Command::NewSignal => {
-                self.workspace.signal.change(Settings::default());
+                self.workspace.present_signal_mut().renew();
                 self.layout.view = View::Live;
             }
             Command::NewModel => {
@@ -61,16 +60,16 @@ impl Dashboard {
             // A view with a history of its own undoes its own changes; everywhere else the input signal is undone.
             Command::Undo if self.has_history() => self.views.get(self.layout.view).undo(&mut self.workspace),
             Command::Redo if self.has_history() => self.views.get(self.layout.view).redo(&mut self.workspace),
-            Command::Undo => self.workspace.signal.undo(),
-            Command::Redo => self.workspace.signal.redo(),
+            Command::Undo => self.workspace.present_signal_mut().undo(),
+            Command::Redo => self.workspace.present_signal_mut().redo(),
             // These commands change the live view, so it is shown.
             Command::Cut => {
-                ctx.copy_text(self.workspace.signal.text());
-                self.workspace.signal.change(Settings::default());
+                ctx.copy_text(self.workspace.present_signal().text());
+                self.workspace.present_signal_mut().renew();
                 self.layout.view = View::Live;
             }
             Command::Copy => {
-                ctx.copy_text(self.workspace.signal.text());
+                ctx.copy_text(self.workspace.present_signal().text());
                 self.layout.view = View::Live;
             }
             Command::Paste => {
@@ -126,13 +125,13 @@ impl Dashboard {
     fn clipboard(&mut self, ctx: &Context) {
         for event in ctx.input(|input| input.events.clone()) {
             match event {
-                egui::Event::Copy => ctx.copy_text(self.workspace.signal.text()),
+                egui::Event::Copy => ctx.copy_text(self.workspace.present_signal().text()),
                 egui::Event::Cut => {
-                    ctx.copy_text(self.workspace.signal.text());
-                    self.workspace.signal.change(Settings::default());
+                    ctx.copy_text(self.workspace.present_signal().text());
+                    self.workspace.present_signal_mut().renew();
                 }
                 egui::Event::Paste(text) => {
-                    if let Err(sentence) = self.workspace.signal.paste(&text) {
+                    if let Err(sentence) = self.workspace.present_signal_mut().paste(&text) {
                         self.warn(sentence);
                     }
                 }

@@ -102,6 +102,14 @@ impl Dashboard {
     }
 
     fn signal_menu(&mut self, ui: &mut Ui) {
+        if self.workspace.bench.offer().is_some() {
+            for name in socam_workbench::drive_run::FORMS {
+                if item(ui, true, name, None) {
+                    self.take_form(name);
+                }
+            }
+            return;
+        }
         for (kind, name) in [(SignalShape::Sine, "sine"), (SignalShape::Constant, "constant")] {
             if item(ui, true, name, None) {
                 self.workspace.signal.change(Settings { kind, ..self.workspace.signal.settings.clone() });
@@ -110,12 +118,16 @@ impl Dashboard {
         }
         for name in socam_recording::ProfileFile::built_in_names().filter(|name| *name != "sine") {
             if item(ui, true, name, None) {
-                if let Err(sentence) = self.workspace.signal.take_built_in(name) {
-                    self.warn(sentence);
-                }
-                self.layout.view = View::Live;
+                self.take_form(name);
             }
         }
+    }
+
+    fn take_form(&mut self, name: &str) {
+        if let Err(sentence) = self.workspace.take_form(name) {
+            self.warn(sentence);
+        }
+        self.layout.view = View::Live;
     }
 
     /// Writes the picture of this pass, or its data, if an export was requested.

@@ -59,7 +59,7 @@ impl Dashboard {
             Purpose::Open => self.open(files.iter().map(|path| path.display().to_string())),
             Purpose::Export => self.exporting = files.into_iter().next(),
             Purpose::SaveSignal => {
-                let text = self.workspace.signal.text();
+                let text = self.workspace.present_signal().text();
                 files.iter().for_each(|path| self.put(path, Ok(text.clone().into_bytes())));
             }
             Purpose::SaveRecording => files.iter().for_each(|path| self.save_recording(ctx, path)),

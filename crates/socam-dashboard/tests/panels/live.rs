@@ -173,3 +173,38 @@ fn a_held_picture_stands_still_and_loses_nothing() {
     window.get_by_label("400 samples missing in 1 gap");
     assert_eq!(window.state().workspace.bench.buffer().rows(), 7450);
 }
+
+/// A drive is armed only within limits, has the emergency stop like a board, and what it does not promise is said before.
+#[test]
+fn a_drive_is_armed_within_its_limits_and_stopped_by_every_stop() {
+    let (dashboard, bench) = sample::source::at_rest(Look::Dark);
+    let mut window = window(dashboard);
+    let presses = || bench.presses.swap(0, std::sync::atomic::Ordering::SeqCst);
+    window.run_steps(3);
+    assert_eq!(texts(&window, "it coasts, and a weight falls"), 1);
+    assert!(window.get_by_label("Arm").accesskit_node().is_disabled(), "no limit is set");
+    window.state_mut().workspace.drive.set_speed(30.0);
+    window.state_mut().workspace.drive.torque_nm = 0.5;
+    window.run_steps(3);
+    click(&mut window, "Arm");
+    let Some(Order::Arm(plan)) = bench.orders.try_iter().last() else { panic!() };
+    let limits = plan.limits.unwrap();
+    assert_eq!((limits.speed_rad_s, limits.effort), (30.0, 0.5));
+    assert!(plan.signal.command != socam_core::Command::Voltage && plan.signal.limit <= 30.0);
+    for (state, stops) in [(State::Idle, 0), (State::Armed, 2), (State::Running, 2), (State::Stopping, 2)] {
+        for view in ["Live", "Time", "Diagnosis"] {
+            click(&mut window, view);
+            tell(&mut window, &bench, bench::health(state, None));
+            window.key_press(egui::Key::Escape);
+            window.run_steps(2);
+            let pressed = presses();
+            assert!(pressed == stops || state == State::Idle, "{state:?} in {view}: {pressed}");
+        }
+    }
+    tell(&mut window, &bench, bench::health(State::Running, None));
+    click(&mut window, "EMERGENCY STOP");
+    assert_eq!(presses(), 2);
+    click(&mut window, "Live");
+    click(&mut window, "Stop");
+    assert_eq!(presses(), 1);
+}

@@ -18,7 +18,7 @@ const NARROW: Viewport = Viewport { size: [800.0, 600.0], scale: 1.25 };
 const LARGE: Viewport = Viewport { size: [2560.0, 1440.0], scale: 1.0 };
 
 /// Look and size in which each state is drawn here; example `gallery` draws all states in all looks.
-const DRAWN: [(&str, Look, Viewport); 50] = [
+const DRAWN: [(&str, Look, Viewport); 51] = [
     ("time-clock", Look::Dark, SMALL),
     ("spectrum-window", Look::Light, NARROW),
     ("identify-range", Look::Light, SMALL),
@@ -59,6 +59,7 @@ const DRAWN: [(&str, Look, Viewport); 50] = [
     ("live-fault", Look::Dark, NARROW),
     ("live-text", Look::Light, SMALL),
     ("live-drive", Look::Dark, SMALL),
+    ("live-drive-run", Look::Light, SMALL),
     ("watch", Look::Light, SMALL),
     ("fleet", Look::Light, SMALL),
     ("fleet-machine", Look::Dark, SMALL),

@@ -142,7 +142,7 @@ impl Settings {
                 || now[CURRENT] < self.limits.effort * (1.0 - 1e-4)
             {
                 self.readiness = Readiness::Refused(format!(
-                    "the ODrive's own limits are {own_rad_s:.4} rad/s and {:.4} A, below those of --limit: lower these, or raise its own",
+                    "the ODrive's own limits are {own_rad_s:.4} rad/s and {:.4} A, below the limits of the run: lower these, or raise its own",
                     now[CURRENT]
                 ));
             }

@@ -1,6 +1,7 @@
 //! The board of the live view: a thread that talks to it, records, and sends news and samples to the window.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::Ordering;
 use std::sync::mpsc::TryRecvError;
 use std::time::{Duration, Instant};
 
@@ -12,6 +13,7 @@ use socam_workbench::about::Happening;
 use socam_workbench::device::Peer;
 use socam_workbench::link::{self, Bench, Connector, News, Order};
 
+use super::attended::Attended;
 use super::show::{IDLE_PERIOD_US, Show};
 use super::watcher::{Watcher, ended, health};
 use super::{source, wanted};
@@ -25,18 +27,21 @@ use crate::device::{self, Device, Pace, Session, front_end};
 /// Interval of heartbeats; the watchdog of the board waits for 0.5 s.
 const HEARTBEAT_EVERY: Duration = Duration::from_millis(100);
 
-/// Makes links to boards; the virtual board runs on `bench`.
+/// Makes links to boards and other devices, each in a thread of its own; the virtual board runs on `bench`.
 pub(super) fn connector(
     bench: VirtualBench,
     calibration: Option<Calibration>,
     token: Option<Token>,
+    attended: &Attended,
 ) -> Connector {
+    let attended = attended.clone();
     Box::new(move |wake| {
         let (port, own) = link::link();
         let (bench, calibration) = (bench.clone(), calibration.clone());
         let token = token.clone();
+        let attended = attended.clone();
         let serve = move || {
-            let ended = attend(&own, &bench, calibration, token);
+            let ended = attend(&own, &bench, calibration, token, &attended);
             // The receiver is gone if the window was closed.
             let _ = own.news.send(News::Disconnected(ended.err().map(|error| format!("{error:#}"))));
             wake();
@@ -54,19 +59,22 @@ fn attend(
     bench: &VirtualBench,
     calibration: Option<Calibration>,
     token: Option<Token>,
+    attended: &Attended,
 ) -> anyhow::Result<()> {
     let Ok(Order::Connect(wanted)) = own.orders.recv() else { return Ok(()) };
     let device = match wanted::target(&wanted)? {
         (Target::Board(device), _) => device.with_token(token),
         (Target::Source(address), args) => {
             let model = socam_job::model_text(&bench.model)?;
-            return source::attend(own, &address, &args, wanted::period_ns(wanted.rate_hz), model);
+            let period_ns = wanted::period_ns(wanted.rate_hz);
+            return source::attend(own, &address, &args, period_ns, model, attended);
         }
     };
     let setup =
         (device == Device::Sim).then(|| bench.setup(&bench.load()?, calibration.clone())).transpose()?;
     let given = setup.as_ref().map(|setup| setup.calibration.clone()).or(calibration);
     let mut session = device::open(&device, setup.map(|setup| (setup, Pace::RealTime)))?;
+    let _attending = attended.begin();
     let (text, default) = front_end::default_calibration(&session.identity().front_end)?;
     let calibration = given.unwrap_or_else(|| default.clone());
     front_end::check(&calibration, &session.identity().front_end)?;
@@ -167,7 +175,7 @@ impl Talk<'_> {
                 self.session.post(Request::Heartbeat)?;
                 beat = Instant::now();
             }
-            match self.own.presses.swap(0, std::sync::atomic::Ordering::SeqCst) {
+            match self.own.presses.swap(0, Ordering::SeqCst) {
                 0 => {}
                 1 => drop(self.session.post(Request::Stop)?),
                 _ => drop(self.session.post(Request::EmergencyStop)?),
@@ -258,7 +266,7 @@ impl Talk<'_> {
     fn record(&mut self, mut plan: Plan) -> anyhow::Result<()> {
         let path = plan.path.clone();
         plan.start_unix_ns = now_unix_ns();
-        self.own.presses.store(0, std::sync::atomic::Ordering::SeqCst);
+        // A stop that was pressed since Run is not forgotten: it ends the run at its beginning.
         self.tell(News::Began { path: path.clone(), planned_s: plan.planned_s() });
         let mut watcher = Watcher {
             presses: &self.own.presses,
@@ -270,7 +278,7 @@ impl Talk<'_> {
         };
         let report = run::record_prepared(self.session, plan, &mut watcher);
         let leaves = watcher.leaves;
-        self.own.presses.store(0, std::sync::atomic::Ordering::SeqCst);
+        self.own.presses.store(0, Ordering::SeqCst);
         let (text, well, broken) = match &report {
             Ok(report) => ended(&path, report),
             Err(error) => {

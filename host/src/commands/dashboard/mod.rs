@@ -1,5 +1,6 @@
 //! `dashboard`: the bench and its recordings in a window, or as a picture.
 
+mod attended;
 mod bench;
 mod rehearsal;
 mod remedy;
@@ -20,6 +21,7 @@ use socam_job::VirtualBench;
 use socam_recording::Calibration;
 use socam_workbench::device::Stated;
 
+use self::attended::Attended;
 use self::rehearsal::Rehearsal;
 use super::Outcome;
 use crate::device::token::TokenArgs;
@@ -117,18 +119,27 @@ pub(crate) struct Args {
 /// Greatest time that a picture waits for its files.
 const PATIENCE: Duration = Duration::from_secs(600);
 
+/// Longest time until a device that moves has stopped after its window was closed: a drive is told to for 3 s, and a link that broke is
+/// opened again for 2 s.
+const STOPS_WITHIN: Duration = Duration::from_secs(8);
+
 pub(crate) fn run(args: Args) -> anyhow::Result<Outcome> {
     args.screenshot.iter().try_for_each(|path| output::check_free(path, args.force))?;
     let calibration = args.calibration.as_deref().map(Calibration::open).transpose()?;
     let layout = layout(&args)?;
     let size = layout.window;
-    let mut dashboard = dashboard(&args, layout, calibration)?;
+    let attended = Attended::default();
+    let mut dashboard = dashboard(&args, layout, calibration, &attended)?;
     let length = args.rehearse.map(Duration::from_secs_f64);
     let mut rehearsal = length.map(|length| Rehearsal::new(&mut dashboard, length));
     let Some(target) = args.screenshot else {
         dashboard.use_native_dialogs();
         let connects = args.device.is_some() && rehearsal.is_none();
         window::show(dashboard, rehearsal, connects)?;
+        // What moves is stopped, and its file is closed, before this program ends.
+        if !attended.wait(STOPS_WITHIN) {
+            output::warn("the device did not end within 8 s: see that it is at rest");
+        }
         return Ok(Outcome::Done);
     };
     if target.extension().is_none_or(|extension| extension != "png") {
@@ -194,7 +205,12 @@ fn layout(args: &Args) -> anyhow::Result<Layout> {
 }
 
 /// A dashboard that begins to open the files.
-fn dashboard(args: &Args, layout: Layout, calibration: Option<Calibration>) -> anyhow::Result<Dashboard> {
+fn dashboard(
+    args: &Args,
+    layout: Layout,
+    calibration: Option<Calibration>,
+    attended: &Attended,
+) -> anyhow::Result<Dashboard> {
     let mut dashboard = Dashboard::new(layout);
     let model = socam_job::load_model(&args.bench.model)?;
     dashboard.use_model(model);
@@ -207,6 +223,7 @@ fn dashboard(args: &Args, layout: Layout, calibration: Option<Calibration>) -> a
         args.bench.clone(),
         calibration,
         args.token.read()?,
+        attended,
     ));
     let (files, held_out) = (output::expanded(&args.files)?, output::expanded(&args.holdout)?);
     let others = held_out.iter().filter(|run| !files.contains(run));

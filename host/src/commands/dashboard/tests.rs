@@ -1,5 +1,7 @@
 //! The live view at the virtual bench: connect, arm, run, stop, emergency stop.
 
+#[cfg(unix)]
+mod drives;
 mod failures;
 mod samples;
 #[cfg(unix)]
@@ -16,6 +18,7 @@ use socam_job::VirtualBench;
 use socam_recording::Dataset;
 use socam_workbench::input_signal::Settings;
 
+use super::attended::Attended;
 use super::{bench, simulated};
 
 type Window = Harness<'static, Dashboard>;
@@ -24,12 +27,22 @@ fn window(device: &str, folder: &Path, rate_hz: f64) -> Window {
     window_at("speed-o-cam", device, folder, rate_hz)
 }
 
+/// A window whose devices are counted while they are attended to.
+#[cfg(unix)]
+fn window_with(attended: &Attended, device: &str, folder: &Path, rate_hz: f64) -> Window {
+    opened("speed-o-cam", attended, device, folder, rate_hz)
+}
+
 /// A window whose virtual bench is another model's.
 fn window_at(model: &str, device: &str, folder: &Path, rate_hz: f64) -> Window {
+    opened(model, &Attended::default(), device, folder, rate_hz)
+}
+
+fn opened(model: &str, attended: &Attended, device: &str, folder: &Path, rate_hz: f64) -> Window {
     let layout = Layout { view: View::Live, device: device.into(), ..Layout::default() };
     let mut dashboard = Dashboard::new(layout);
     let bench = VirtualBench { model: model.into(), ..socam_job::options::defaults().unwrap() };
-    dashboard.workspace.bench.connect_by(bench::connector(bench, None, None));
+    dashboard.workspace.bench.connect_by(bench::connector(bench, None, None, attended));
     dashboard.simulate_by(simulated::simulated);
     dashboard.workspace.next_run.folder = folder.into();
     dashboard.workspace.next_run.rate_hz = rate_hz;

@@ -1,21 +1,10 @@
 //! `record` of a drive that follows a profile: what is required, and what is said, before anything leaves for it.
 
-use anyhow::Context;
-use socam_core::{Command, Generator};
-use socam_recording::ProfileFile;
-use socam_sources::moteus::Moteus;
-use socam_sources::odrive::Odrive;
-use socam_sources::{Commanded, Device, Drive, Limits};
-
 use super::Args;
+use super::following::{Effort, Following, Terms, Wish};
 use crate::device::Device as Board;
-#[cfg(feature = "formats-can")]
-use crate::device::source::Node;
-use crate::device::source::{Protocol, SourceAddress};
+use crate::device::source::SourceAddress;
 use crate::output::{self, WrongArguments};
-
-/// Time without a command after which a drive stops by itself, s: longer than an ordinary computer pauses, and short for a machine.
-const WATCHDOG_S: f64 = 0.25;
 
 /// Options of a drive that follows a profile.
 #[derive(Debug, Clone, clap::Args)]
@@ -55,14 +44,6 @@ fn limit(text: &str) -> Result<Limit, String> {
     }
 }
 
-/// A drive that will follow a profile.
-pub(super) struct Armed {
-    pub(super) device: Box<dyn Device>,
-    pub(super) profile: ProfileFile,
-    /// Its limits, in words.
-    pub(super) limits: String,
-}
-
 impl DriveArgs {
     /// Refuses the options for a board, whose firmware has limits of its own.
     pub(super) fn refuse_for(&self, board: &Board) -> Result<(), WrongArguments> {
@@ -78,98 +59,39 @@ impl DriveArgs {
 }
 
 /// The drive that follows the profile of the arguments; `None` without one. Refuses what passes the limits, and says what is promised.
-pub(super) fn armed(args: &Args, address: &SourceAddress) -> anyhow::Result<Option<Armed>> {
+pub(super) fn armed(args: &Args, address: &SourceAddress) -> anyhow::Result<Option<Following>> {
     let wrong = |problem: String| anyhow::Error::from(WrongArguments(problem));
-    if args.record.profile.is_none() {
+    let Some(name) = args.record.profile.clone() else {
         if args.drive.is_set() {
             return Err(wrong("--arm and --limit let a drive follow a profile: name it by --profile".into()));
         }
         return Ok(None);
-    }
-    let period_us = args.record.period_us()?;
-    let period_ns = i64::from(period_us) * 1000;
-    match address.protocol {
-        Protocol::Moteus(id) => {
-            follow(args, address, period_us, Moteus::new(id, period_ns)?, Effort::Torque).map(Some)
-        }
-        Protocol::Odrive(axis) => {
-            follow(args, address, period_us, Odrive::new(axis, period_ns)?, Effort::Current).map(Some)
-        }
-        #[cfg(feature = "formats-can")]
-        Protocol::Can(Node::Odrive(node)) => {
-            let drive = super::can::odrive(address, node, period_ns)?;
-            follow(args, address, period_us, drive, Effort::Current).map(Some)
-        }
-        Protocol::Text
-        | Protocol::Can(_)
-        | Protocol::Dynamixel(_)
-        | Protocol::Feetech(_)
-        | Protocol::Foxglove(_) => Err(wrong(format!(
+    };
+    let Some(effort) = Effort::of(&address.protocol) else {
+        return Err(wrong(format!(
             "--profile commands a board, a virtual bench or a drive; {address} is only listened to, so leave it out"
-        ))),
-    }
-}
-
-/// What a drive limits beside its speed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Effort {
-    Torque,
-    Current,
-}
-
-fn follow<D: Drive + 'static>(
-    args: &Args,
-    address: &SourceAddress,
-    period_us: u32,
-    mut drive: D,
-    effort: Effort,
-) -> anyhow::Result<Armed> {
-    let wrong = |problem: String| anyhow::Error::from(WrongArguments(problem));
-    let name = args.record.profile.as_deref().unwrap_or_default();
+        )));
+    };
     let profile = args.record.load()?;
-    if profile.command == Command::Voltage {
-        return Err(wrong(format!(
-            "the profile `{name}` commands a voltage; a drive takes speeds: `command = \"speed\"`, with levels and limits in rad/s"
-        )));
-    }
-    if f64::from(period_us) * 1e-6 > Commanded::<D>::longest_period_s() {
-        return Err(wrong(format!(
-            "--rate {} Hz: a drive is commanded at 50 Hz or faster",
-            args.record.rate_hz
-        )));
-    }
-    let core = profile.profile(period_us)?;
-    let peak_micro =
-        Generator::peak_micro(&core.shape, period_us).map_err(|error| wrong(error.to_string()))?;
-    let peak_rad_s = peak_micro as f64 * 1e-6;
-    let limits = limits(&args.drive, effort, profile.slew)?;
-    if peak_rad_s > limits.speed_rad_s {
-        return Err(wrong(format!(
-            "the profile `{name}` reaches {peak_rad_s} rad/s, beyond --limit {} rad/s: nothing was commanded",
-            limits.speed_rad_s
-        )));
-    }
-    drive.limit(limits);
-    let unit = if effort == Effort::Torque { "N m" } else { "A" };
-    let limits_text = format!("{} rad/s, {} {unit}", limits.speed_rad_s, limits.effort);
+    let [speed_rad_s, effort] = limits(&args.drive, effort)?;
+    let wish = Wish { name, profile, period_us: args.record.period_us()?, speed_rad_s, effort };
+    let following = Following::new(address, wish).map_err(wrong)?;
+    let Terms { wish, limits, peak_rad_s, promises: [kept, not_promised], .. } = &following.terms;
     output::say(format_args!(
-        "{address} is to follow `{name}`: up to {peak_rad_s} rad/s for {:.1} s, within {limits_text}.",
-        profile.duration_s + profile.ramp_s
+        "{address} is to follow `{}`: up to {peak_rad_s} rad/s for {:.1} s, within {limits}.",
+        wish.name,
+        following.terms.planned_s()
     ));
-    let [kept, not_promised] = drive.promises();
     kept.iter().for_each(|promise| output::say(format_args!("  {promise}")));
     not_promised.iter().for_each(output::warn);
     if !args.drive.arm {
         return Err(wrong("nothing was sent: add --arm to let the drive move".into()));
     }
-    let device = Commanded::new(drive, &core, period_us, limits)
-        .map_err(|error| anyhow::anyhow!("{error}"))
-        .with_context(|| format!("the profile `{name}` cannot run"))?;
-    Ok(Armed { device: Box::new(device), profile, limits: limits_text })
+    Ok(Some(following))
 }
 
-/// The limits of the arguments: one of each kind, and no other.
-fn limits(args: &DriveArgs, effort: Effort, acceleration_rad_s2: f64) -> anyhow::Result<Limits> {
+/// The limits of the arguments: one of each kind, and no other; that of the speed first.
+fn limits(args: &DriveArgs, effort: Effort) -> anyhow::Result<[f64; 2]> {
     let (mut speeds, mut efforts) = (Vec::new(), Vec::new());
     for limit in &args.limits {
         match (*limit, effort) {
@@ -202,7 +124,7 @@ fn limits(args: &DriveArgs, effort: Effort, acceleration_rad_s2: f64) -> anyhow:
         ))
         .into());
     };
-    Ok(Limits { speed_rad_s: *speed_rad_s, effort: *effort, acceleration_rad_s2, watchdog_s: WATCHDOG_S })
+    Ok([*speed_rad_s, *effort])
 }
 
 #[cfg(test)]

@@ -11,14 +11,17 @@ use socam_sources::text::TextDevice;
 use socam_sources::{Device as _, Timeline, dynamixel, feetech};
 
 use super::described::{SourceArgs, described};
-use super::drive::{self, Armed};
+use super::drive;
+use super::following::Following;
 use super::opened::Opened;
 use super::source_result::{outcome, tell};
 use super::{Args, attachment, now_unix_ns, watch, watched};
 use super::{can, foxglove};
 use crate::commands::Outcome;
 use crate::device::Device;
-use crate::device::source::{Link, Node, Protocol, SourceAddress, SourcePlan, SourceWriter, listen, record};
+use crate::device::source::{
+    Link, Node, Protocol, SourceAddress, SourcePlan, SourceWriter, Terminal, listen, record,
+};
 use crate::interrupt::Interrupt;
 use crate::output::WrongArguments;
 
@@ -98,9 +101,9 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
     let mut link = Link::open(&address.place)?;
     let opened_unix_ns = now_unix_ns();
     let (opened, commanded) = match armed {
-        Some(Armed { device, profile, limits }) => {
+        Some(Following { device, terms }) => {
             refuse_description(&args.source)?;
-            (Opened::asked(device), Some((profile, limits)))
+            (Opened::asked(device), Some(terms))
         }
         None => {
             let period_ns = i64::from(args.record.period_us()?) * 1000;
@@ -118,17 +121,22 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
     header.metadata.extend(args.note.clone().map(|note| ("note".into(), note)));
     header.metadata.extend(args.machine.clone().map(|machine| (MACHINE_KEY.into(), machine)));
     let is_commanded = commanded.is_some();
-    if let Some((profile, limits)) = commanded {
-        header.planned_duration_s = Some(profile.duration_s + profile.ramp_s);
-        header.metadata.insert("profile".into(), args.record.profile.clone().unwrap_or_default());
-        header.metadata.insert("limits".into(), limits);
-        header.attachments.extend(attachment("profile.toml", profile.to_toml()));
+    if let Some(terms) = commanded {
+        terms.describe(&mut header);
     }
     header.attachments.extend(description.into_iter().flat_map(|text| attachment("device.toml", text)));
     header.attachments.extend(attachment("model.toml", socam_job::model_text(&args.bench.model)?));
     let plan = SourcePlan { name, file: SourceWriter::new(path.into(), header), duration_s, serve };
     let watch = watch(args, watched, device.channels(), false)?;
-    let report = record(&mut link, &mut *device, timeline, plan, heard, watch, &interrupt)?;
+    let report = record(
+        &mut link,
+        &mut *device,
+        timeline,
+        plan,
+        heard,
+        watch,
+        &mut Terminal::new(&interrupt, duration_s),
+    )?;
     tell(path, &report, is_commanded, args.json)?;
     outcome(path, &report)
 }

@@ -145,6 +145,21 @@ impl Link {
         self.last_words = words;
     }
 
+    /// Says the last words now, if there are any: a run is over, and the link stays.
+    #[cfg(feature = "window")]
+    pub(crate) fn say_last_words(&mut self) {
+        if let Some(words) = self.last_words.take() {
+            // What cannot be sent is left to the drive's own watchdog.
+            let _ = self.send(&words);
+        }
+    }
+
+    /// Whether it is open; a link that broke is not.
+    #[cfg(feature = "window")]
+    pub(crate) fn is_open(&self) -> bool {
+        self.open.is_some()
+    }
+
     /// Takes the next sender of packets for the device: one that begins anew sends from another port.
     pub(crate) fn forget_sender(&mut self) {
         if let Some(Open::Packets { sender, .. }) = &mut self.open {

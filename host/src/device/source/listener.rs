@@ -1,11 +1,19 @@
-//! Attends to a device for which no command leaves: it is listened to or asked, and its link is opened again whenever it broke.
+//! Attends to a device for which no command leaves: it is listened to or asked, and its link is opened again whenever it broke. A drive may
+//! follow a profile in between, by the run of `record`.
 
 use std::time::Duration;
 
 use socam_sources::{Device, Heard, Placed, SourceError, Timeline};
 
+#[cfg(feature = "window")]
+use super::attendant::Attendant;
 use super::link::{Arrived, Link};
 use super::listen::Listened;
+#[cfg(feature = "window")]
+use super::report::{SourcePlan, SourceReport};
+use super::row::Row;
+#[cfg(feature = "window")]
+use super::run::record;
 
 /// Interval at which a link that broke is opened again.
 const REOPEN_EVERY: Duration = Duration::from_millis(200);
@@ -13,25 +21,11 @@ const REOPEN_EVERY: Duration = Duration::from_millis(200);
 const SILENT_NS: i64 = 2_000_000_000;
 /// Longest time of a turn in which nothing is awaited.
 const TURN: Duration = Duration::from_millis(20);
+/// Longest time until an answer that is under way has come, before a run.
+#[cfg(feature = "window")]
+const QUIET_WITHIN_NS: i64 = 200_000_000;
 /// Most notes of a device; it must not fill a recording with them.
 const MOST_NOTES: u32 = 100;
-
-/// A row with its time and number.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Row {
-    /// Time since the first row, ns.
-    pub(crate) time_ns: i64,
-    /// Number; a jump means lost rows.
-    pub(crate) sequence: u64,
-    /// Time of arrival since the link was opened, ns.
-    pub(crate) arrival_ns: i64,
-    /// Whether its time is the device's own; otherwise it is that of arrival.
-    pub(crate) has_clock: bool,
-    /// Whether the device's clock jumped before it.
-    pub(crate) is_new_clock: bool,
-    /// Values of all channels.
-    pub(crate) values: Vec<f64>,
-}
 
 /// What was heard of a device in a turn, in its order.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,6 +113,41 @@ impl Listener {
             Err(error) => self.broke(&error, &mut got),
         }
         Ok(got)
+    }
+
+    /// Lets a drive follow a profile by this link, as `record` does; afterwards it is asked again.
+    ///
+    /// # Errors
+    /// When nothing could be recorded; the drive was told to stop.
+    #[cfg(feature = "window")]
+    pub(crate) fn follow(
+        &mut self,
+        device: &mut dyn Device,
+        plan: SourcePlan,
+        attendant: &mut dyn Attendant,
+    ) -> anyhow::Result<SourceReport> {
+        if self.is_broken {
+            anyhow::bail!("{} is away: nothing was sent", self.name);
+        }
+        // An answer that is under way must not be taken for one to the run's first question.
+        let until_ns = self.link.now_ns() + QUIET_WITHIN_NS;
+        while self.device.awaits() && self.link.now_ns() < until_ns {
+            self.turn()?;
+        }
+        let timeline = Timeline::new(device.numbering(), None);
+        let report = record(&mut self.link, device, timeline, plan, Listened(Vec::new()), None, attendant);
+        self.link.say_last_words();
+        // What was asked before the run has no answer any more.
+        self.device.interrupted(&mut Vec::new());
+        self.heard_ns = self.link.now_ns();
+        self.poll_ns = Some(self.heard_ns);
+        if !self.link.is_open() {
+            self.interruptions += 1;
+            self.is_broken = true;
+            self.away =
+                Some(format!("the link to {} broke; it is opened again as soon as it can be", self.name));
+        }
+        report
     }
 
     fn poll(&mut self) -> Result<(), SourceError> {

@@ -3,17 +3,16 @@
 use std::time::Duration;
 
 use anyhow::bail;
-use indicatif::ProgressBar;
 use socam_recording::{Event, SampleRow};
 use socam_sources::{Device, Heard, Placed, Timeline};
 
+use super::attendant::Attendant;
 use super::link::{Arrived, Link};
 use super::listen::Listened;
 use super::report::{SourceEnd, SourcePlan, SourceReport, clock_text};
+use super::row::Row;
 use super::writer::sample;
-use crate::interrupt::Interrupt;
 use crate::live_watch::LiveWatch;
-use crate::output;
 
 /// Longest time for which a device may be gone or silent.
 const GONE_NS: i64 = 10_000_000_000;
@@ -31,6 +30,7 @@ const MOST_EVENTS: u32 = 100;
 struct Run<'r> {
     plan: SourcePlan,
     device: &'r mut dyn Device,
+    attendant: &'r mut dyn Attendant,
     timeline: Timeline,
     watch: Option<LiveWatch>,
     /// Events before the first sample, which wait for the file.
@@ -55,12 +55,12 @@ pub(crate) fn record(
     plan: SourcePlan,
     heard: Listened,
     watch: Option<LiveWatch>,
-    interrupt: &Interrupt,
+    attendant: &mut dyn Attendant,
 ) -> anyhow::Result<SourceReport> {
-    let progress = ProgressBar::new((plan.duration_s.unwrap_or(0.0) * 1e3) as u64);
     let mut run = Run {
         plan,
         device,
+        attendant,
         timeline,
         watch,
         early: Vec::new(),
@@ -75,24 +75,19 @@ pub(crate) fn record(
     for arrived in &heard.0 {
         run.take(arrived)?;
     }
-    let end = run.until_end(link, &progress, interrupt);
-    progress.finish_and_clear();
-    run.finish(end?, link.strangers)
+    let end = run.until_end(link)?;
+    run.finish(end, link.strangers)
 }
 
 impl Run<'_> {
-    fn until_end(
-        &mut self,
-        link: &mut Link,
-        progress: &ProgressBar,
-        interrupt: &Interrupt,
-    ) -> anyhow::Result<SourceEnd> {
+    fn until_end(&mut self, link: &mut Link) -> anyhow::Result<SourceEnd> {
         let mut heard_ns = link.now_ns();
         let mut row_ns = heard_ns;
         let (mut poll_ns, mut outgoing) = (Some(0), Vec::new());
         while !self.is_over {
-            if interrupt.count() > self.stops {
-                self.stops = interrupt.count();
+            let stops = self.attendant.stops();
+            if stops > self.stops {
+                self.stops = stops;
                 // The first one lets a profile fade, the second one stops at once; a device that is only heard has nothing to end.
                 if !self.device.end(link.now_ns(), self.stops > 1) {
                     return Ok(SourceEnd::Stopped);
@@ -146,7 +141,7 @@ impl Run<'_> {
                 }
                 Err(error) => {
                     self.interrupted(&error);
-                    if !self.comes_back(link, interrupt) {
+                    if !self.comes_back(link) {
                         return Ok(SourceEnd::Gone(format!("the link to {} broke: {error}", self.plan.name)));
                     }
                     heard_ns = link.now_ns();
@@ -156,10 +151,13 @@ impl Run<'_> {
             if let Some(event) = self.watch.as_ref().and_then(LiveWatch::event) {
                 self.write(&event);
             }
+            if let Some((kind, text)) = self.attendant.mark() {
+                self.write(&self.plan.file.event_now(kind, text));
+            }
             if self.plan.file.has_failed() {
                 break;
             }
-            progress.set_position(self.plan.file.last_ns as u64 / 1_000_000);
+            self.attendant.state(&self.plan.file, &self.timeline);
         }
         Ok(self.stated.take().unwrap_or(SourceEnd::Finished))
     }
@@ -186,7 +184,7 @@ impl Run<'_> {
         let mut heard = Vec::new();
         self.device.receive(arrived.chunk(), &mut heard);
         let is_sample = heard.iter().any(|one| matches!(one, Heard::Row(_)));
-        let mut rows: Vec<(i64, u64, Vec<f64>)> = Vec::new();
+        let mut rows: Vec<Row> = Vec::new();
         for one in heard {
             match one {
                 Heard::Row(row) if !self.is_over => {
@@ -203,7 +201,9 @@ impl Run<'_> {
                     if jumped {
                         self.jumped();
                     }
-                    rows.push((time_ns, sequence, row.values));
+                    let (arrival_ns, has_clock) = (row.arrival_ns, row.device_s.is_some());
+                    let values = row.values;
+                    rows.push(Row { time_ns, sequence, arrival_ns, has_clock, is_new_clock: jumped, values });
                 }
                 Heard::Row(_) => {}
                 Heard::Damaged(why) => {
@@ -222,9 +222,10 @@ impl Run<'_> {
                 }
             }
         }
-        let rows: Vec<SampleRow<'_>> =
-            rows.iter().map(|(time_ns, sequence, values)| sample(*time_ns, *sequence, values)).collect();
         if !rows.is_empty() {
+            self.attendant.rows(&rows);
+            let rows: Vec<SampleRow<'_>> =
+                rows.iter().map(|row| sample(row.time_ns, row.sequence, &row.values)).collect();
             if let Some(watch) = &mut self.watch {
                 watch.take(&rows);
             }
@@ -251,11 +252,12 @@ impl Run<'_> {
     fn jumped(&mut self) {
         self.jumps += 1;
         if self.jumps == 1 {
-            output::warn(format_args!(
+            let text = format_args!(
                 "the clock or number of {} jumped at {:.3} s; the time goes on by this computer's clock",
                 self.plan.name,
                 self.plan.file.last_ns as f64 * 1e-9
-            ));
+            );
+            self.attendant.say(text, true);
         }
         self.note("note", "the device's clock jumped; the time goes on by the host's clock".into());
     }
@@ -263,10 +265,11 @@ impl Run<'_> {
     fn damaged(&mut self, why: &'static str) {
         if self.damage.is_none() {
             self.damage = Some(why);
-            output::warn(format_args!(
+            let text = format_args!(
                 "a message of {} is damaged ({why}); this and further ones are left out and counted",
                 self.plan.name
-            ));
+            );
+            self.attendant.say(text, true);
         }
     }
 
@@ -275,27 +278,28 @@ impl Run<'_> {
         let mut heard = Vec::new();
         self.device.interrupted(&mut heard);
         heard.iter().filter(|heard| matches!(heard, Heard::Damaged(_))).for_each(|_| self.timeline.damaged());
-        output::warn(format_args!(
+        let text = format_args!(
             "the link to {} broke ({error}); waiting {} s for it",
             self.plan.name,
             GONE_NS / 1_000_000_000
-        ));
+        );
+        self.attendant.say(text, true);
         self.note("fault", format!("the link broke: {error}"));
         self.plan.file.status(self.timeline.counts().damaged);
     }
 
     /// Opens the link again, until that works or takes too long.
-    fn comes_back(&mut self, link: &mut Link, interrupt: &Interrupt) -> bool {
+    fn comes_back(&mut self, link: &mut Link) -> bool {
         let until_ns = link.now_ns() + GONE_NS;
-        while link.now_ns() < until_ns && interrupt.count() == 0 {
+        while link.now_ns() < until_ns && self.attendant.stops() == 0 {
             std::thread::sleep(REOPEN_EVERY);
             if link.reopen() {
-                output::say(format_args!("{} is back", self.plan.name));
+                self.attendant.say(format_args!("{} is back", self.plan.name), false);
                 self.note("note", "the link is back".into());
                 return true;
             }
         }
-        interrupt.count() > 0
+        self.attendant.stops() > 0
     }
 
     fn note(&mut self, kind: &str, text: String) {
@@ -306,6 +310,7 @@ impl Run<'_> {
     }
 
     fn write(&mut self, event: &Event) {
+        self.attendant.event(event);
         if let Some(serve) = &mut self.plan.serve {
             serve.event(event);
         }

@@ -1,4 +1,4 @@
-//! The bar of the live view: Arm, Run, Stop, or Record and End of a device that is not commanded, the progress of the run, and one line of words. Nothing in it ever moves.
+//! The bar of the live view: Arm, Run, Stop, or Record and End of a device that is not commanded (all of them for a drive), the progress of the run, and one line of words. Nothing in it ever moves.
 
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
@@ -41,24 +41,31 @@ pub(super) fn draw(ui: &mut Ui, workspace: &mut Workspace) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), egui::Sense::hover());
     // Widgets of a child do not move anything in the panel.
     let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(rect));
-    let [arm, run, stop] = [0.0, 1.0, 2.0].map(|place| {
+    let [arm, run, stop, record] = [0.0, 1.0, 2.0, 3.0].map(|place| {
         let left = rect.left() + place * (BUTTON.x + ui.spacing().item_spacing.x);
         Rect::from_min_size(egui::pos2(left, rect.top()), BUTTON)
     });
-    if let Some(source) = workspace.bench.source().cloned() {
-        source_buttons(ui, workspace, &source, [arm, run.union(stop)]);
-    } else {
-        board_buttons(ui, workspace, [arm, run, stop]);
+    let mut last = stop;
+    match workspace.bench.source().cloned() {
+        Some(source) if source.offer.is_some() => {
+            run_buttons(ui, workspace, [arm, run, stop]);
+            record_button(ui, workspace, why_no_record(workspace), record);
+            last = record;
+        }
+        Some(source) => source_buttons(ui, workspace, &source, [arm, run.union(stop)]),
+        None => run_buttons(ui, workspace, [arm, run, stop]),
     }
-    let left = stop.right() + 2.0 * ui.spacing().item_spacing.x;
+    let left = last.right() + 2.0 * ui.spacing().item_spacing.x;
     let progress = Rect::from_min_max(egui::pos2(left, rect.top()), egui::pos2(rect.right(), stop.bottom()));
     draw_progress(ui, workspace, progress);
     let below = Rect::from_min_max(egui::pos2(rect.left(), stop.bottom() + GAP), rect.max);
     words(ui, &mut workspace.bench, below);
 }
 
-fn board_buttons(ui: &mut Ui, workspace: &mut Workspace, [arm, run, stop]: [Rect; 3]) {
-    if button(ui, arm, "Arm", why_no_arm(&workspace.bench), ARM) {
+/// Buttons of a board, or of a drive that follows profiles.
+fn run_buttons(ui: &mut Ui, workspace: &mut Workspace, [arm, run, stop]: [Rect; 3]) {
+    let why_not = why_no_arm(&workspace.bench).or_else(|| why_no_drive(workspace));
+    if button(ui, arm, "Arm", why_not, ARM) {
         workspace.arm();
     }
     if button(ui, run, "Run", why_no_run(&workspace.bench), RUN) {
@@ -71,18 +78,10 @@ fn board_buttons(ui: &mut Ui, workspace: &mut Workspace, [arm, run, stop]: [Rect
 
 /// A device that is not commanded from here is recorded by one press, and the bar says that no command leaves.
 fn source_buttons(ui: &mut Ui, workspace: &mut Workspace, source: &Source, [record, words]: [Rect; 2]) {
-    if workspace.bench.is_recording() {
-        if button(ui, record, "End", None, STOP) {
-            workspace.bench.end_recording();
-        }
-    } else {
-        let why_not = source.unstated.as_ref().map(|_| {
-            "A recording needs the units that the device does not state: write its description at the left, complete it, and connect again"
-        });
-        if button(ui, record, "Record", why_not, RUN) {
-            workspace.record();
-        }
-    }
+    let why_not = source.unstated.as_ref().map(|_| {
+        "A recording needs the units that the device does not state: write its description at the left, complete it, and connect again"
+    });
+    record_button(ui, workspace, why_not, record);
     let text = RichText::new(source.words()).small().color(theme::body(ui));
     let place = egui::Layout::left_to_right(egui::Align::Center).with_main_wrap(true);
     ui.scope_builder(egui::UiBuilder::new().max_rect(words).layout(place), |ui| {
@@ -90,12 +89,42 @@ fn source_buttons(ui: &mut Ui, workspace: &mut Workspace, source: &Source, [reco
     });
 }
 
+/// Begins a recording without a run, or ends it.
+fn record_button(ui: &mut Ui, workspace: &mut Workspace, why_not: Option<&str>, rect: Rect) {
+    let is_at_rest = matches!(workspace.bench.state(), None | Some(State::Idle));
+    if workspace.bench.is_recording() && is_at_rest {
+        if button(ui, rect, "End", None, STOP) {
+            workspace.bench.end_recording();
+        }
+    } else if button(ui, rect, "Record", why_not, RUN) {
+        workspace.record();
+    }
+}
+
+/// Why a drive is not recorded without a run.
+fn why_no_record(workspace: &Workspace) -> Option<&'static str> {
+    let is_at_rest = matches!(workspace.bench.state(), None | Some(State::Idle));
+    (!is_at_rest).then_some("a run is recorded anyway")
+}
+
+/// Why a drive, if one is connected, cannot be armed.
+fn why_no_drive(workspace: &Workspace) -> Option<&'static str> {
+    let offer = workspace.bench.offer()?;
+    if workspace.bench.source_state().is_some_and(|state| state.away.is_some()) {
+        return Some("nothing arrives from the drive");
+    }
+    if workspace.drive.limits(offer.effort).is_none() {
+        return Some("set both limits at the left first");
+    }
+    workspace.drive.why_not()
+}
+
 /// A button that is disabled for a reason, or does what its tip says. True when it or its keys were pressed.
 fn button(ui: &mut Ui, rect: Rect, name: &str, why_not: Option<&str>, keys: KeyboardShortcut) -> bool {
     let tip = match name {
         "Arm" => "Load the signal and watch all limits; nothing moves",
         "Run" => "The bench moves, and is recorded",
-        "Record" => "Writes what arrives from now on into a file; no command leaves for the device",
+        "Record" => "Writes what arrives from now on into a file; no command leaves for the device by that",
         "End" => "Closes the file; the device is shown as before",
         _ => "Ramps down gently",
     };
@@ -105,13 +134,18 @@ fn button(ui: &mut Ui, rect: Rect, name: &str, why_not: Option<&str>, keys: Keyb
     let response = shown.inner.on_hover_text(tip).on_disabled_hover_text(why_not.unwrap_or_default());
     // Keys typed into a dialog are meant for it; stopping is always meant.
     let is_heard = name == "Stop" || ui.ctx().memory(|memory| memory.top_modal_layer().is_none());
-    let pressed = is_heard && ui.ctx().input_mut(|input| input.consume_shortcut(&keys));
+    // Keys that do nothing here may be those of another button.
+    let is_possible = why_not.is_none();
+    let pressed = is_heard && is_possible && ui.ctx().input_mut(|input| input.consume_shortcut(&keys));
     why_not.is_none() && (response.clicked() || pressed)
 }
 
 fn why_no_arm(bench: &Connection) -> Option<&'static str> {
     match bench.state() {
         None => Some("connect to a board first"),
+        Some(State::Idle) if bench.is_recording() && bench.offer().is_some() => {
+            Some("end the recording first: a run has a file of its own")
+        }
         Some(State::Idle) if bench.is_recording() => Some("the recording is being closed"),
         Some(State::Idle) => None,
         Some(State::Armed) => Some("the bench is armed already"),
@@ -138,7 +172,8 @@ fn why_no_stop(bench: &Connection) -> Option<&'static str> {
 
 /// Elapsed time, planned end and time left of the run.
 fn draw_progress(ui: &mut Ui, workspace: &Workspace, rect: Rect) {
-    let source = workspace.bench.source().map(|_| workspace.bench.source_state());
+    let is_planned = workspace.bench.last_run().is_some_and(|run| run.planned_s > 0.0);
+    let source = workspace.bench.source().filter(|_| !is_planned).map(|_| workspace.bench.source_state());
     let text = match workspace.bench.last_run() {
         Some(run) if source.is_some() && run.is_recorded() => {
             let counts = source.flatten().and_then(|state| state.recorded);
@@ -147,9 +182,9 @@ fn draw_progress(ui: &mut Ui, workspace: &Workspace, rect: Rect) {
             format!("recording: {:.1} s{counts}", run.elapsed_s())
         }
         Some(run) if source.is_some() => format!("recorded {:.1} s", run.elapsed_s()),
-        None if source.is_some() => "not recorded".into(),
+        None if source.is_some() && workspace.bench.offer().is_none() => "not recorded".into(),
         None => {
-            let file = workspace.signal.settings.file();
+            let file = workspace.present_signal().settings.file();
             format!("planned: {:.1} s", file.duration_s + file.ramp_s)
         }
         Some(run) => {
@@ -186,8 +221,10 @@ fn message(bench: &Connection) -> Words {
     if let Some(text) = bench.problem() {
         return Words { text: text.to_owned(), is_grave: true, action: Some("Dismiss") };
     }
-    if let Some(source) = bench.source() {
-        return of_source(bench, source);
+    match bench.source() {
+        Some(source) if source.offer.is_some() => return of_drive(bench),
+        Some(source) => return of_source(bench, source),
+        None => {}
     }
     let text = match (bench.link(), bench.state()) {
         (Link::Closed, _) => "no device is connected: name one below, and connect",
@@ -200,6 +237,29 @@ fn message(bench: &Connection) -> Words {
         (Link::Open { .. }, None) => "the board is connected; waiting for its state",
     };
     Words { text: text.to_owned(), is_grave: false, action: None }
+}
+
+/// Why nothing arrives from a drive, or what comes next.
+fn of_drive(bench: &Connection) -> Words {
+    let at_rest = || bench.source_state().and_then(|state| state.away.clone());
+    let text = match bench.state() {
+        Some(State::Armed) => {
+            "armed, and nothing was sent yet: Run moves the drive within its limits, and records it; Stop disarms"
+        }
+        Some(State::Running) => "the drive follows the signal: Stop lets it fade, Esc stops it at once",
+        Some(State::Stopping) => "the signal fades, and the drive stops; Esc stops it at once",
+        _ => {
+            if let Some(text) = at_rest() {
+                return Words { text, is_grave: true, action: None };
+            }
+            if bench.is_recording() {
+                "recorded, and not commanded: End closes the file"
+            } else {
+                "asked only: Arm compares the signal with the limits, and nothing is sent; Record writes what arrives"
+            }
+        }
+    };
+    Words { text: text.into(), is_grave: false, action: None }
 }
 
 /// Why nothing arrives from a source, what it does not state, or what comes next.

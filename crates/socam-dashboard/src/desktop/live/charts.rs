@@ -80,7 +80,7 @@ impl Live {
             drawing.curves = vec![Curve { name, colour: theme::line(ui, index), parts, style: Style::Solid }];
             if let Some(limit) = reading.limit.filter(|_| has_limit) {
                 drawing.curves.push(Curve {
-                    name: "limit at which the board stops".into(),
+                    name: limit_words(bench).into(),
                     colour: theme::alarm(ui),
                     parts: [-limit, limit].map(|level| x.map(|x| [x, level]).to_vec()).to_vec(),
                     style: Style::Dashed,
@@ -139,6 +139,11 @@ fn title(channel: &Channel) -> String {
     } else {
         format!("{}, {}", channel.name, channel.unit)
     }
+}
+
+/// What the line of a limit is.
+fn limit_words(bench: &Connection) -> &'static str {
+    if bench.offer().is_some() { "limit of the run" } else { "limit at which the board stops" }
 }
 
 /// Notes, stops, faults and the beginning of a run.

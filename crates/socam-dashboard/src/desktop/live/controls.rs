@@ -1,27 +1,26 @@
 //! The panel at the left of the live view: link, recording, input signal.
 
-use egui::{Button, ComboBox, DragValue, RichText, Role, ScrollArea, Slider, TextEdit, Ui, WidgetInfo, vec2};
-use socam_core::{Command, State};
+use egui::{Button, ComboBox, RichText, Role, ScrollArea, TextEdit, Ui, WidgetInfo, vec2};
+use socam_core::State;
 use socam_recording::ProfileFile;
 
 use socam_chart::chart::{Chart, Curve, Flag, Style, range_of};
 use socam_chart::theme;
 use socam_workbench::Workspace;
 use socam_workbench::connection::Connection;
-use socam_workbench::input_signal::{
-    self, AMPLITUDE_V, DURATION_S, FREQUENCY_HZ, LIMIT_V, Signal, SignalShape,
-};
+use socam_workbench::input_signal::{self, AMPLITUDE_V, FREQUENCY_HZ, LIMIT_V, Signal, SignalShape};
 use socam_workbench::next_run::NextRun;
 
+use super::fields::{duration, profile, slider, unit};
 use super::parts::{Action, card};
-use super::{Live, source};
+use super::{Live, drive, source};
 use crate::layout;
 
 impl Live {
     /// Draws the panel: the texts and the rate in it are edited in place, and all else is asked for.
     pub(super) fn panel(&mut self, ui: &mut Ui, workspace: &mut Workspace) -> Vec<Action> {
         let mut actions = Vec::new();
-        let Workspace { bench, device, stated, next_run, signal, .. } = workspace;
+        let Workspace { bench, device, stated, next_run, signal, drive, .. } = workspace;
         let shown = egui::Panel::left("bench")
             .default_size(layout::panel(ui, "bench", 318.0))
             .size_range(270.0..=480.0)
@@ -30,9 +29,16 @@ impl Live {
                     ui.add_space(2.0);
                     card(ui, "Device", |ui| actions.extend(source::link(ui, bench, device, stated)));
                     card(ui, "Recording", |ui| actions.extend(recording(ui, bench, next_run)));
-                    match bench.source() {
-                        Some(source) => source::commands(ui, source),
-                        None => card(ui, "Input Signal", |ui| {
+                    match (bench.source(), bench.offer()) {
+                        (_, Some(offer)) => {
+                            drive::limits(ui, bench, offer, drive);
+                            card(ui, "Input Signal", |ui| {
+                                actions.extend(drive::signal(ui, bench, &drive.signal));
+                                self.preview(ui, bench, &drive.signal);
+                            });
+                        }
+                        (Some(_), None) => {}
+                        (None, _) => card(ui, "Input Signal", |ui| {
                             actions.extend(input_signal(ui, bench, signal));
                             self.preview(ui, bench, signal);
                         }),
@@ -49,9 +55,9 @@ impl Live {
             let line = input_signal::preview(&file, 500);
             self.preview = Some((file, line));
         }
-        let Some((_, line)) = &self.preview else { return };
+        let Some((file, line)) = &self.preview else { return };
         match line {
-            Ok(line) => preview(ui, bench, line),
+            Ok(line) => preview(ui, bench, line, unit(file)),
             Err(sentence) => drop(ui.label(RichText::new(sentence).color(theme::alarm(ui)))),
         }
     }
@@ -102,47 +108,9 @@ fn input_signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Acti
     chosen.map(Action::Load).or(changed)
 }
 
-/// Amplitude and duration of a profile.
-fn profile(ui: &mut Ui, file: &mut ProfileFile) {
-    let unit = if file.command == Command::Voltage { "V" } else { "rad/s" };
-    let (mut amplitude, most) = input_signal::amplitude(file);
-    // A slider at zero would forget the form of steps.
-    let least = 0.02 * most;
-    if most > 0.0 {
-        let before = amplitude;
-        slider(ui, "Amplitude", &mut amplitude, [least, most], unit);
-        if amplitude != before {
-            input_signal::set_amplitude(file, amplitude);
-        }
-    }
-    duration(ui, &mut file.duration_s);
-}
-
-fn duration(ui: &mut Ui, duration_s: &mut f64) {
-    ui.horizontal(|ui| {
-        let label = ui.label("Duration");
-        let drag = DragValue::new(duration_s).speed(0.1).suffix(" s").range(DURATION_S[0]..=DURATION_S[1]);
-        ui.add(drag).labelled_by(label.id);
-    });
-}
-
-fn slider(ui: &mut Ui, name: &str, value: &mut f64, [low, high]: [f64; 2], unit: &str) {
-    ui.horizontal(|ui| {
-        let place = egui::Layout::left_to_right(egui::Align::Center);
-        let label = ui.allocate_ui_with_layout(vec2(74.0, 22.0), place, |ui| {
-            ui.set_min_width(74.0);
-            ui.label(name)
-        });
-        let label = label.inner;
-        ui.spacing_mut().slider_width = (ui.available_width() - 88.0).max(60.0);
-        let slider = Slider::new(value, low..=high).suffix(format!(" {unit}")).max_decimals(3);
-        ui.add(slider).labelled_by(label.id).on_hover_text(format!("{low} to {high} {unit}"));
-    });
-}
-
 /// The command over time, and where the run is in it.
-fn preview(ui: &mut Ui, bench: &Connection, line: &[[f64; 2]]) {
-    let mut chart = Chart::new("preview", "command, V", vec2(ui.available_width(), 96.0));
+fn preview(ui: &mut Ui, bench: &Connection, line: &[[f64; 2]], unit: &str) {
+    let mut chart = Chart::new("preview", format!("command, {unit}"), vec2(ui.available_width(), 96.0));
     chart.x = [0.0, line.last().map_or(1.0, |[time, _]| *time)];
     chart.x_label = "s".into();
     chart.y = chart.fitted(range_of(line.iter().map(|[_, value]| *value).chain([0.0])));

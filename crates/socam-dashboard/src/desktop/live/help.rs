@@ -15,10 +15,21 @@ pub(super) const HELP: Help = &[
         "Record; End",
         "of a device for which no command leaves: begins and closes a recording (Ctrl+Shift+R, Ctrl+Shift+D); it goes on when the device is away and comes back",
     ),
-    ("Commands; Copy", "the command by which a drive follows a profile, in a terminal"),
+    (
+        "Largest speed; Largest torque; Largest current",
+        "limits within which a drive follows the signal: it is told those that it can keep itself, and the run ends where it states more; below them stands what it does not promise",
+    ),
+    ("The same in a terminal; Copy", "the command by which a drive follows a profile without this window"),
+    (
+        "Acceleration",
+        "of the signal of a drive, which is in rad/s around standstill, or a profile of speeds that was opened",
+    ),
     ("Connect; Disconnect", "opens and closes the link to the device; a bench that runs is stopped before"),
     ("Clear fault", "puts a fault away whose cause is gone, so that the bench can be armed again"),
-    ("Arm; Ctrl+Shift+A", "loads the signal and watches all limits; the drive stays off"),
+    (
+        "Arm; Ctrl+Shift+A",
+        "loads the signal and watches all limits; a drive is sent nothing yet, its signal is compared with its limits",
+    ),
     ("Run; Ctrl+Shift+R", "starts the signal and its recording"),
     ("Stop; Ctrl+Shift+D", "ramps down gently; what was recorded until then is kept"),
     (

@@ -3,6 +3,8 @@
 mod bar;
 mod charts;
 mod controls;
+mod drive;
+mod fields;
 mod help;
 mod parts;
 mod readings;
@@ -81,9 +83,9 @@ impl Live {
                 workspace.connect(wake(ctx));
             }
             Action::Disconnect => workspace.bench.disconnect(),
-            Action::Change(settings) => workspace.signal.change(settings),
+            Action::Change(settings) => workspace.present_signal_mut().change(settings),
             Action::Load(name) => {
-                if let Err(sentence) = workspace.signal.take_built_in(name) {
+                if let Err(sentence) = workspace.take_form(name) {
                     workspace.bench.set_problem(Some(sentence));
                 }
             }

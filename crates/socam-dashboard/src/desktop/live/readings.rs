@@ -79,7 +79,7 @@ pub(super) fn draw(ui: &mut Ui, channel: &socam_recording::Channel, reading: &Re
         painter.text(at, Align2::RIGHT_TOP, text, small.clone(), theme::weak(ui));
     }
     let said = format!("{} is {value} {unit}; {}", channel.name, lines.join(", "));
-    let why = "The latest value; then the least and the greatest value since the run began, and the magnitude at which the board stops";
+    let why = "The latest value; then the least and the greatest value since the run began, and the magnitude at which the run is stopped";
     response.on_hover_text(why).widget_info(|| WidgetInfo::labeled(Role::Label, true, said.clone()));
 }
 

@@ -1,12 +1,12 @@
 //! The device of the live view in the panel at the left: its address, what must be said of it, and how well its samples arrive.
 
-use egui::{Button, Label, RichText, TextEdit, Ui};
+use egui::{Label, RichText, TextEdit, Ui};
 
 use socam_chart::theme;
 use socam_workbench::connection::{Connection, Link};
-use socam_workbench::device::{FORMS, Needs, Source, Stated, Unstated};
+use socam_workbench::device::{FORMS, Needs, Stated, Unstated};
 
-use super::parts::{Action, card};
+use super::parts::Action;
 
 /// Height of what stands below the address, points: while an address is typed, and when the link is opened, no field below it moves.
 const BELOW: f32 = 62.0;
@@ -94,7 +94,7 @@ fn health(ui: &mut Ui, bench: &Connection) {
         let colour = if is_clean { theme::weak(ui) } else { theme::alarm(ui) };
         ui.add(Label::new(RichText::new(text).small().color(colour)).wrap())
     };
-    if let Some(health) = bench.health() {
+    if let Some(health) = bench.health().filter(|_| bench.source().is_none()) {
         let text = format!(
             "link: {} damaged frames, {} samples dropped, {} periods missed",
             health.link_errors, health.dropped, health.overruns
@@ -118,21 +118,4 @@ fn write(ui: &mut Ui, unstated: &Unstated) -> Option<Action> {
     let hint = "Writes a file with names, units and clock, as far as they are known. Replace each \"?\" in it, and connect again: the device is then drawn in its units, and can be recorded.";
     let button = ui.button("Write description").on_hover_text(hint);
     button.clicked().then(|| Action::WriteDescription(unstated.description.clone()))
-}
-
-/// How a drive is commanded, which the window does not do.
-pub(super) fn commands(ui: &mut Ui, source: &Source) {
-    let Some(command) = &source.commanded_by else { return };
-    card(ui, "Commands", |ui| {
-        let text = "From here the drive is only asked. In a terminal it follows a profile of speeds, within limits that are yours to set:";
-        ui.add(Label::new(text).wrap());
-        ui.add(Label::new(RichText::new(command).monospace().size(12.0)).wrap());
-        if ui
-            .add(Button::new("Copy"))
-            .on_hover_text("Copy the command; disconnect before you run it")
-            .clicked()
-        {
-            ui.ctx().copy_text(command.clone());
-        }
-    });
 }

@@ -197,7 +197,7 @@ fn diagnosed(look: Look, over: Over) -> Dashboard {
 
 /// The states in which the views are looked at, by name: with data and without, with twelve recordings, with one sample, with long
 /// names, gaps, missing values and spikes, with something wrong.
-pub(crate) const STATES: [&str; 53] = [
+pub(crate) const STATES: [&str; 54] = [
     "time-clock",
     "spectrum-window",
     "identify-range",
@@ -240,6 +240,7 @@ pub(crate) const STATES: [&str; 53] = [
     "live-fault",
     "live-text",
     "live-drive",
+    "live-drive-run",
     "watch",
     "fleet",
     "fleet-machine",
@@ -288,6 +289,7 @@ pub(crate) fn state(name: &str, look: Look) -> Option<Dashboard> {
         "live-fault" => bench::stopped(look),
         "live-text" => source::text(look),
         "live-drive" => source::drive(look),
+        "live-drive-run" => source::commanded(look),
         "watch" => with_runs(look, View::Watch, 2),
         "fleet" | "fleet-machine" | "fleet-findings" | "fleet-unfit" => fleet::showing(look, name),
         "fleet-empty" => dashboard(look, View::Fleet),

@@ -1,15 +1,17 @@
-//! The live view of devices that are not commanded: one of text whose units are not known, and a drive that is recorded.
+//! The live view of other devices than the own board: one of text whose units are not known, and a drive that is recorded, or that follows a
+//! signal.
 
 use std::f64::consts::TAU;
 
 use socam_chart::theme::Look;
+use socam_core::State;
 use socam_dashboard::{Dashboard, View};
 use socam_recording::{Channel, Unit};
-use socam_workbench::device::{Peer, Source, SourceState, Unstated};
+use socam_workbench::device::{Effort, Offer, Peer, Source, SourceState, Unstated};
 use socam_workbench::link::{Bench, News};
 use socam_workbench::queue::{Batch, Gap};
 
-use super::bench::{linked, tell};
+use super::bench::{health, linked, tell};
 use super::{Noise, dashboard};
 
 /// Eight seconds at 100 Hz, of which some rows are missing.
@@ -71,24 +73,49 @@ pub(crate) fn text(look: Look) -> Dashboard {
     dashboard
 }
 
-/// A drive that is recorded, and whose cable was pulled for a second.
+const DRIVE: &str = "moteus:/dev/ttyACM0?id=1";
+
+/// A drive at rest that can be commanded, with these limits of its channels.
+fn offered(look: Look, limits: Vec<Option<f64>>) -> (Dashboard, Bench) {
+    let mut dashboard = dashboard(look, View::Live);
+    dashboard.workspace.device = DRIVE.into();
+    let (mut dashboard, bench) = linked(dashboard);
+    let (torque, current) = (Channel::new("torque", Unit::Nm), Channel::new("current", Unit::A));
+    let (speed, command) = (Channel::new("speed", Unit::RadPerS), Channel::new("command", Unit::RadPerS));
+    let channels = vec![Channel::new("position", Unit::Rad), speed, torque, current, command];
+    let offer = Offer {
+        effort: Effort::Torque,
+        kept: vec![
+            "Each command holds a largest torque of 0.5 N m.".into(),
+            "Each command holds a watchdog: the drive leaves its position mode 0.25 s after the last command that it got.".into(),
+        ],
+        not_promised: vec![
+            "What it does then is its setting `servo.timeout_mode`, by default braking with up to `servo.timeout_max_torque_Nm`, 5 N m by default; it cannot be read here.".into(),
+            "When the run ends the motor is switched off: it coasts, and a weight falls.".into(),
+        ],
+        command: format!("socam-host record --device '{DRIVE}' -o run.mcap --profile speeds.toml --limit 30rad/s --limit 0.5Nm --arm"),
+    };
+    let peer = Peer::Source(Source { is_asked: true, offer: Some(offer), unstated: None });
+    let board = format!("the moteus 1 behind an fdcanusb, which is only asked, at {DRIVE}");
+    bench.news.send(News::Connected { peer, board, channels, limits }).unwrap();
+    bench.news.send(health(State::Idle, None)).unwrap();
+    dashboard.workspace.listen();
+    (dashboard, bench)
+}
+
+/// A drive that is connected and at rest.
+pub(crate) fn at_rest(look: Look) -> (Dashboard, Bench) {
+    offered(look, vec![None; 5])
+}
+
+/// A drive that is recorded and not commanded, and whose cable was pulled for a second.
 pub(crate) fn drive(look: Look) -> Dashboard {
-    let device = "moteus:/dev/ttyACM0?id=1";
-    let channels = vec![
-        Channel::new("position", Unit::Rad),
-        Channel::new("speed", Unit::RadPerS),
-        Channel::new("torque", Unit::Nm),
-        Channel::new("current", Unit::A),
-    ];
-    let command = "socam-host record --device 'moteus:/dev/ttyACM0?id=1' -o run.mcap --profile speeds.toml --limit 30rad/s --limit 0.5Nm --arm";
-    let source = Source { is_asked: true, commanded_by: Some(command.into()), unstated: None };
-    let board = format!("the moteus 1 behind an fdcanusb, which is only asked, at {device}");
-    let (dashboard, bench) = connected(look, device, source, &board, channels);
+    let (dashboard, bench) = at_rest(look);
     bench.news.send(News::Began { path: "runs/rotor-3.mcap".into(), planned_s: 0.0 }).unwrap();
     tell(&bench, 1.0, "start", "the recording begins");
     tell(&bench, 4.99, "fault", "the link broke: the other end closed it");
     tell(&bench, 5.99, "note", "the link is back");
-    bench.samples.push(samples(4, 500..600));
+    bench.samples.push(samples(5, 500..600));
     let state = SourceState {
         received: 700,
         lost: 100,
@@ -96,6 +123,27 @@ pub(crate) fn drive(look: Look) -> Dashboard {
         counted_by: "where they are damaged only: the device states neither time nor number".into(),
         times: "times of arrival, within 1.4 ms".into(),
         recorded: Some([600, 100]),
+        ..SourceState::default()
+    };
+    bench.news.send(News::Source(state)).unwrap();
+    dashboard
+}
+
+/// A drive that follows a signal within its limits.
+pub(crate) fn commanded(look: Look) -> Dashboard {
+    let limits = vec![None, Some(30.0), Some(45.0), None, Some(30.0)];
+    let (mut dashboard, bench) = offered(look, limits);
+    dashboard.workspace.drive.set_speed(30.0);
+    dashboard.workspace.drive.torque_nm = 0.5;
+    bench.news.send(News::Began { path: "runs/rotor-4.mcap".into(), planned_s: 20.5 }).unwrap();
+    bench.news.send(health(State::Running, None)).unwrap();
+    tell(&bench, 1.0, "start", "the run begins");
+    bench.samples.push(samples(5, 0..0));
+    let state = SourceState {
+        received: 800,
+        counted_by: "where they are damaged only: the device states neither time nor number".into(),
+        times: "times of arrival, within 1.4 ms".into(),
+        recorded: Some([700, 0]),
         ..SourceState::default()
     };
     bench.news.send(News::Source(state)).unwrap();

@@ -1,22 +1,29 @@
 //! A device other than the own board in the live view: a thread that listens to it or asks it, and records it when told to.
 //!
-//! No command leaves for it. A link that breaks is opened again until the window disconnects.
+//! No command leaves for it, unless it is a drive that the window arms and runs. A link that breaks is opened again until the window
+//! disconnects.
 
 mod opening;
 mod recording;
+mod run;
 mod shown;
 
+use std::sync::atomic::Ordering;
 use std::sync::mpsc::TryRecvError;
 use std::time::{Duration, Instant};
 
+use socam_core::State;
+use socam_recording::{Channel, Unit};
 use socam_sources::Timeline;
 use socam_workbench::about::Happening;
-use socam_workbench::device::SourceState;
+use socam_workbench::device::{Peer, SourceState};
 use socam_workbench::link::{Bench, News, Order};
 
 use self::opening::Ready;
 use self::recording::{Header, Recording};
+use self::run::Armed;
 use self::shown::Shown;
+use super::attended::Attended;
 use crate::commands::record::described::SourceArgs;
 use crate::commands::record::now_unix_ns;
 use crate::commands::record::opened::Opened;
@@ -32,34 +39,67 @@ pub(super) fn attend(
     args: &SourceArgs,
     period_ns: i64,
     model: String,
+    attended: &Attended,
 ) -> anyhow::Result<()> {
     let mut link = Link::open(&address.place)?;
     let opened_unix_ns = now_unix_ns();
     let Ready { opened, peer, unstated } = opening::open(&mut link, address, args, period_ns)?;
+    let _attending = attended.begin();
     let Opened { device, timeline, heard, description } = opened;
     let name = address.to_string();
-    let channels = device.channels().to_vec();
+    let mut channels = device.channels().to_vec();
+    let is_drive = matches!(&peer, Peer::Source(source) if source.offer.is_some());
+    if is_drive {
+        // It is missing until the drive follows something, so that the charts stay the same.
+        channels.push(Channel::new("command", Unit::RadPerS));
+    }
     let limits = vec![None; channels.len()];
+    let shown = Shown::new(own.samples.clone(), channels.len());
     let board = format!("{}, at {name}", device.kind());
-    let _ = own.news.send(News::Connected { peer, board, channels, limits });
+    let connected = Connected { peer, board, channels, limits };
+    let _ = own.news.send(connected.news());
     let mut listener = Listener::new(link, device, timeline, name.clone());
     let got = listener.begin(&heard);
     let header = Header { name, opened_unix_ns, description, model, unstated };
-    let shown = Shown::new(own.samples.clone());
-    let mut live = Live { own, listener, header, shown, recording: None, told: None };
+    let address = address.clone();
+    let (recording, armed, told) = (None, None, None);
+    let mut live = Live { own, listener, address, header, connected, shown, recording, armed, told };
+    if is_drive {
+        live.tell_drive(State::Idle);
+    }
     live.take(got);
     let end = live.go_on();
     live.end_recording(end.as_ref().err().map(|error| format!("{error:#}")));
     end
 }
 
+/// What the window knows of a device.
+struct Connected {
+    peer: Peer,
+    board: String,
+    channels: Vec<Channel>,
+    limits: Vec<Option<f64>>,
+}
+
+impl Connected {
+    fn news(&self) -> News {
+        let Self { peer, board, channels, limits } = self;
+        let (peer, board) = (peer.clone(), board.clone());
+        News::Connected { peer, board, channels: channels.clone(), limits: limits.clone() }
+    }
+}
+
 /// A device that is attended to.
 struct Live<'a> {
     own: &'a Bench,
     listener: Listener,
+    address: SourceAddress,
     header: Header,
+    connected: Connected,
     shown: Shown,
     recording: Option<Recording>,
+    /// What a drive is to follow as soon as it is told to.
+    armed: Option<Armed>,
     /// When the window was told the state.
     told: Option<Instant>,
 }
@@ -72,13 +112,20 @@ impl Live<'_> {
     /// Attends to the device until the window disconnects, or the device can no longer be used.
     fn go_on(&mut self) -> anyhow::Result<()> {
         loop {
+            // Stops overtake orders: what is armed is not to move any more.
+            if self.own.presses.swap(0, Ordering::SeqCst) > 0 {
+                self.disarm();
+            }
             match self.own.orders.try_recv() {
                 Ok(Order::Disconnect) | Err(TryRecvError::Disconnected) => return Ok(()),
+                Ok(Order::Run) => {
+                    if self.run() {
+                        return Ok(());
+                    }
+                }
                 Ok(order) => self.obey(order),
                 Err(TryRecvError::Empty) => {}
             }
-            // Nothing moves that a stop could stop.
-            self.own.presses.store(0, std::sync::atomic::Ordering::SeqCst);
             let got = self.listener.turn()?;
             self.take(got);
             if self.recording.as_ref().is_some_and(|recording| recording.file.has_failed()) {
@@ -93,7 +140,8 @@ impl Live<'_> {
 
     fn obey(&mut self, order: Order) {
         match order {
-            Order::Record { .. } if self.recording.is_some() => {}
+            Order::Record { .. } if self.recording.is_some() || self.armed.is_some() => {}
+            Order::Arm(plan) => self.arm(*plan),
             Order::Record { path, note } => match self.header.begin(path, note, &self.listener) {
                 Ok(recording) => self.recording = Some(recording),
                 Err(sentence) => self.tell(News::Problem(sentence)),
@@ -104,7 +152,7 @@ impl Live<'_> {
             }
             Order::Note(text) => self.happened("note", text),
             Order::Alarm(text) => self.happened("alarm", text),
-            Order::Arm(_) | Order::Run | Order::ClearFault | Order::Connect(_) | Order::Disconnect => {}
+            Order::Run | Order::ClearFault | Order::Connect(_) | Order::Disconnect => {}
         }
     }
 

@@ -3,9 +3,10 @@
 use anyhow::anyhow;
 use socam_sources::text::TextDevice;
 use socam_sources::{Description, Device as _, SourceError, Timeline};
-use socam_workbench::device::{Peer, Source, Unstated};
+use socam_workbench::device::{Effort, Offer, Peer, Source, Unstated};
 
 use crate::commands::record::described::SourceArgs;
+use crate::commands::record::following;
 use crate::commands::record::opened::Opened;
 use crate::commands::record::source;
 use crate::device::source::{Link, Node, Protocol, SourceAddress, listen};
@@ -34,8 +35,7 @@ pub(super) fn open(
         (source::open(link, args, period_ns, address, &Interrupt::default())?, None)
     };
     let sentence = unstated.as_ref().map(|unstated| unstated.sentence.clone());
-    let source =
-        Source { is_asked: is_asked(&address.protocol), commanded_by: commanded_by(address), unstated };
+    let source = Source { is_asked: is_asked(&address.protocol), offer: offer(address), unstated };
     Ok(Ready { opened, peer: Peer::Source(source), unstated: sentence })
 }
 
@@ -43,16 +43,17 @@ fn is_asked(protocol: &Protocol) -> bool {
     !matches!(protocol, Protocol::Text | Protocol::Foxglove(_) | Protocol::Can(Node::Dbc))
 }
 
-/// The command by which a drive follows a profile.
-fn commanded_by(address: &SourceAddress) -> Option<String> {
-    let effort = match address.protocol {
-        Protocol::Moteus(_) => "0.5Nm",
-        Protocol::Odrive(_) | Protocol::Can(Node::Odrive(_)) => "5A",
-        _ => return None,
+/// How a drive is commanded; `None` for devices that take no commands.
+fn offer(address: &SourceAddress) -> Option<Offer> {
+    let (effort, not_promised) = following::offered(address)?;
+    let (effort, limit) = match effort {
+        following::Effort::Torque => (Effort::Torque, "0.5Nm"),
+        following::Effort::Current => (Effort::Current, "5A"),
     };
-    Some(format!(
-        "socam-host record --device '{address}' -o run.mcap --profile speeds.toml --limit 30rad/s --limit {effort} --arm"
-    ))
+    let command = format!(
+        "socam-host record --device '{address}' -o run.mcap --profile speeds.toml --limit 30rad/s --limit {limit} --arm"
+    );
+    Some(Offer { effort, kept: Vec::new(), not_promised, command })
 }
 
 /// A device of text by what it sends, with plain numbers where it states no units.
@@ -80,14 +81,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_drive_has_a_command_and_a_sensor_has_none() {
-        let of = |text: &str| commanded_by(&text.parse().unwrap());
+    fn a_drive_says_what_it_does_not_promise_and_a_sensor_takes_no_commands() {
+        let of = |text: &str| offer(&text.parse().unwrap());
         let moteus = of("moteus:/dev/ttyACM0?id=3").unwrap();
-        assert!(
-            moteus.contains("--device 'moteus:/dev/ttyACM0?id=3'") && moteus.contains("0.5Nm"),
-            "{moteus}"
-        );
-        assert!(of("odrive:/dev/ttyACM0?axis=1").unwrap().contains("--limit 5A"));
+        assert!(moteus.command.contains("--device 'moteus:/dev/ttyACM0?id=3'"), "{}", moteus.command);
+        assert!(moteus.not_promised.iter().any(|sentence| sentence.contains("a weight falls")));
+        let odrive = of("odrive:/dev/ttyACM0?axis=1").unwrap();
+        assert!(odrive.effort == Effort::Current && odrive.not_promised.len() == 2);
         assert_eq!([of("udp:0.0.0.0:9870"), of("dynamixel:/dev/ttyUSB0")], [None, None]);
     }
 }

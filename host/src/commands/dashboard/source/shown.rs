@@ -20,6 +20,8 @@ pub(super) struct Shown {
     /// The usual step, ns.
     usual_ns: Option<f64>,
     was_interrupted: bool,
+    /// Number of values of a row: those that a row has not are missing.
+    width: usize,
     /// Rows that arrived.
     pub(super) received: u64,
     /// Rows that are missing.
@@ -27,9 +29,11 @@ pub(super) struct Shown {
 }
 
 impl Shown {
-    pub(super) fn new(samples: SampleQueue) -> Self {
+    /// `width`: number of channels.
+    pub(super) fn new(samples: SampleQueue, width: usize) -> Self {
         Self {
             samples,
+            width,
             first_ns: None,
             last: None,
             usual_ns: None,
@@ -42,6 +46,12 @@ impl Shown {
     /// The link broke: a gap is before the next row.
     pub(super) fn interrupted(&mut self) {
         self.was_interrupted = self.last.is_some();
+    }
+
+    /// The time since the first row, ns, of one that arrives at this time, and the number that follows the last one.
+    pub(super) fn next(&self, arrival_ns: i64) -> (i64, u64) {
+        let time_ns = arrival_ns - self.first_ns.unwrap_or(arrival_ns);
+        self.last.map_or((time_ns, 0), |(last_ns, sequence)| (time_ns.max(last_ns + 1000), sequence + 1))
     }
 
     /// Time of a row since the link was opened, s.
@@ -76,7 +86,9 @@ impl Shown {
             self.received += 1;
             self.last = Some((row.time_ns, row.sequence));
             batch.time_s.push(self.time_of(&row));
+            let missing = self.width.saturating_sub(row.values.len());
             batch.values.extend(row.values);
+            batch.values.extend(std::iter::repeat_n(f64::NAN, missing));
         }
         batch.gaps = Some(gaps);
         self.samples.push(batch);
@@ -110,7 +122,7 @@ mod tests {
     #[test]
     fn what_is_missing_a_pause_and_an_interruption_are_gaps_and_unsteady_arrival_is_none() {
         let queue = SampleQueue::default();
-        let mut shown = Shown::new(queue.clone());
+        let mut shown = Shown::new(queue.clone(), 1);
         shown.interrupted();
         shown.take((0..50).map(|k| row(10 * k + 7 * (k % 2), k as u64)).collect());
         shown.take(vec![row(520, 53)]);

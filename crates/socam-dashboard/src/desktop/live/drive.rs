@@ -1,0 +1,130 @@
+//! The limits and the input signal of a drive that is commanded, in the panel at the left.
+
+use egui::{Button, CollapsingHeader, ComboBox, DragValue, Label, RichText, Ui};
+
+use socam_chart::theme;
+use socam_core::State;
+use socam_recording::ProfileFile;
+use socam_workbench::connection::Connection;
+use socam_workbench::device::{Effort, Offer};
+use socam_workbench::drive_run::{ACCELERATION_RAD_S2, DriveRun, FORMS};
+use socam_workbench::input_signal::{Signal, SignalShape};
+
+use super::fields::profile;
+use super::parts::{Action, card};
+
+/// Largest limits that can be set: speed, rad/s; torque, N m; current, A.
+const MOST_RAD_S: f64 = 2000.0;
+const MOST_NM: f64 = 1000.0;
+const MOST_A: f64 = 1000.0;
+
+/// Whether limits and signal may be changed: nothing is armed.
+fn is_at_rest(bench: &Connection) -> bool {
+    !matches!(bench.state(), Some(State::Armed | State::Running | State::Stopping))
+}
+
+/// The limits, what the drive keeps to and what it does not promise.
+pub(super) fn limits(ui: &mut Ui, bench: &Connection, offer: &Offer, run: &mut DriveRun) {
+    card(ui, "Limits of the Run", |ui| {
+        ui.add_enabled_ui(is_at_rest(bench), |ui| {
+            let mut speed_rad_s = run.speed_rad_s();
+            field(ui, "Largest speed", &mut speed_rad_s, MOST_RAD_S, "rad/s");
+            if speed_rad_s != run.speed_rad_s() {
+                run.set_speed(speed_rad_s);
+            }
+            let most = if offer.effort == Effort::Torque { MOST_NM } else { MOST_A };
+            let name = format!("Largest {}", offer.effort.name());
+            field(ui, &name, run.effort_mut(offer.effort), most, offer.effort.unit());
+        });
+        let rpm = run.speed_rad_s() * 30.0 / std::f64::consts::PI;
+        let text = match run.limits(offer.effort) {
+            None => {
+                "Set both: without them nothing is armed. The run ends where the drive states more.".into()
+            }
+            Some(_) => format!("{rpm:.0} rpm at most. The run ends where the drive states more."),
+        };
+        sentence(ui, &text, false);
+        if !offer.kept.is_empty() && !is_at_rest(bench) {
+            ui.label(RichText::new("The drive itself keeps to").small().strong());
+            offer.kept.iter().for_each(|kept| sentence(ui, kept, false));
+        }
+        ui.label(RichText::new("Not promised").small().strong());
+        offer.not_promised.iter().for_each(|not| sentence(ui, not, true));
+        sentence(
+            ui,
+            "A drive whose own program hangs stops by its supply alone: have an emergency stop.",
+            true,
+        );
+        CollapsingHeader::new(RichText::new("The same in a terminal").small()).show(ui, |ui| {
+            ui.add(Label::new(RichText::new(&offer.command).monospace().size(12.0)).wrap());
+            let hint = "Copy the command; disconnect before you run it";
+            if ui.add(Button::new("Copy")).on_hover_text(hint).clicked() {
+                ui.ctx().copy_text(offer.command.clone());
+            }
+        });
+    });
+}
+
+fn sentence(ui: &mut Ui, text: &str, is_warning: bool) {
+    let colour = if is_warning { theme::body(ui) } else { theme::weak(ui) };
+    ui.add(Label::new(RichText::new(text).small().color(colour)).wrap());
+}
+
+/// A limit; 0 is shown as not set.
+fn field(ui: &mut Ui, name: &str, value: &mut f64, most: f64, unit: &str) {
+    ui.horizontal(|ui| {
+        let label = ui.label(name);
+        let suffix = format!(" {unit}");
+        let speed = 0.01 * value.max(1.0);
+        let drag = DragValue::new(value).speed(speed).range(0.0..=most).max_decimals(4);
+        let drag = drag.custom_formatter(move |value, _| {
+            if value > 0.0 { format!("{}{suffix}", (value * 1e4).round() / 1e4) } else { "not set".into() }
+        });
+        let unit = unit.to_owned();
+        let drag = drag.custom_parser(move |text| {
+            text.trim().trim_end_matches(unit.as_str()).trim().replace(',', ".").parse().ok()
+        });
+        ui.add(drag).labelled_by(label.id).on_hover_text(format!("0 to {most}; drag, or click and type"));
+    });
+}
+
+/// The input signal of a drive: a form of speeds around standstill, or a profile that was opened.
+pub(super) fn signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Action> {
+    let mut settings = signal.settings.clone();
+    let mut chosen = None;
+    ui.add_enabled_ui(is_at_rest(bench), |ui| {
+        ui.horizontal(|ui| {
+            let label = ui.label("Signal");
+            let shown = ComboBox::from_id_salt("signal").selected_text(settings.name()).width(180.0);
+            let answer = shown.show_ui(ui, |ui| {
+                for name in FORMS {
+                    let is_it = matches!(&settings.kind, SignalShape::Other(own, _) if own == name);
+                    if ui.selectable_label(is_it, name).clicked() {
+                        chosen = Some(name);
+                    }
+                }
+            });
+            answer.response.labelled_by(label.id).on_hover_text(
+                "Forms of speeds around standstill; File, Open takes any profile with `command = \"speed\"`",
+            );
+        });
+        if let SignalShape::Other(_, file) = &mut settings.kind {
+            let purpose = file.purpose.clone().unwrap_or_else(|| "an opened profile".into());
+            ui.add(Label::new(RichText::new(purpose).small()).wrap());
+            profile(ui, file);
+            acceleration(ui, file);
+        }
+    });
+    let changed = (settings != signal.settings).then_some(Action::Change(settings));
+    chosen.map(Action::Load).or(changed)
+}
+
+fn acceleration(ui: &mut Ui, file: &mut ProfileFile) {
+    ui.horizontal(|ui| {
+        let label = ui.label("Acceleration");
+        let [low, high] = ACCELERATION_RAD_S2;
+        let drag = DragValue::new(&mut file.slew).speed(5.0).suffix(" rad/s2").range(low..=high);
+        let hint = "The largest of the signal: what would be steeper is made as steep as this. A moteus is told it as its own limit too";
+        ui.add(drag).labelled_by(label.id).on_hover_text(hint);
+    });
+}

@@ -1,0 +1,173 @@
+//! A drive that is to follow a profile: what is refused before anything leaves for it, and what is said. The command line and the window share it.
+
+use socam_core::{Command, Generator};
+use socam_recording::{ProfileFile, RecordingHeader};
+use socam_sources::moteus::Moteus;
+use socam_sources::odrive::Odrive;
+use socam_sources::{Commanded, Device, Drive, Limits};
+
+use super::attachment;
+#[cfg(feature = "formats-can")]
+use crate::device::source::Node;
+use crate::device::source::{Protocol, SourceAddress};
+
+/// Time without a command after which a drive stops by itself, s: longer than an ordinary computer pauses, and short for a machine.
+const WATCHDOG_S: f64 = 0.25;
+
+/// What a drive limits beside its speed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Effort {
+    Torque,
+    Current,
+}
+
+impl Effort {
+    /// What a drive limits beside its speed; `None` for devices that take no commands.
+    pub(crate) fn of(protocol: &Protocol) -> Option<Self> {
+        match protocol {
+            Protocol::Moteus(_) => Some(Self::Torque),
+            Protocol::Odrive(_) => Some(Self::Current),
+            #[cfg(feature = "formats-can")]
+            Protocol::Can(Node::Odrive(_)) => Some(Self::Current),
+            Protocol::Text
+            | Protocol::Can(_)
+            | Protocol::Dynamixel(_)
+            | Protocol::Feetech(_)
+            | Protocol::Foxglove(_) => None,
+        }
+    }
+
+    fn unit(self) -> &'static str {
+        if self == Self::Torque { "N m" } else { "A" }
+    }
+}
+
+/// What a drive is to do.
+#[derive(Debug, Clone)]
+pub(crate) struct Wish {
+    /// Name of the profile, for messages and the recording.
+    pub(crate) name: String,
+    pub(crate) profile: ProfileFile,
+    pub(crate) period_us: u32,
+    /// Limit of the speed, rad/s.
+    pub(crate) speed_rad_s: f64,
+    /// Limit of the torque, N m, or of the current, A.
+    pub(crate) effort: f64,
+}
+
+/// A drive that is ready to follow a profile. Nothing has left for it.
+pub(crate) struct Following {
+    pub(crate) device: Box<dyn Device>,
+    pub(crate) terms: Terms,
+}
+
+/// What a drive follows, and within which limits.
+pub(crate) struct Terms {
+    pub(crate) wish: Wish,
+    /// Largest speed of the profile, rad/s.
+    pub(crate) peak_rad_s: f64,
+    /// Its limits, in words.
+    pub(crate) limits: String,
+    /// What the drive itself keeps to, and what it does not promise: a sentence each.
+    pub(crate) promises: [Vec<String>; 2],
+    /// The limit of each channel, in its unit.
+    #[cfg(feature = "window")]
+    pub(crate) channel_limits: Vec<Option<f64>>,
+}
+
+impl Following {
+    /// A drive with a wish, unless the wish passes its limits; an error is one sentence.
+    pub(crate) fn new(address: &SourceAddress, wish: Wish) -> Result<Self, String> {
+        let period_ns = i64::from(wish.period_us) * 1000;
+        let (mut drive, effort) = drive(address, period_ns)?;
+        let Wish { name, profile, period_us, .. } = &wish;
+        if profile.command == Command::Voltage {
+            return Err(format!(
+                "the profile `{name}` commands a voltage; a drive takes speeds: `command = \"speed\"`, with levels and limits in rad/s"
+            ));
+        }
+        let longest_s = Commanded::longest_period_s();
+        if f64::from(*period_us) * 1e-6 > longest_s {
+            return Err(format!(
+                "a drive is commanded at {} Hz or faster, not at {} Hz",
+                1.0 / longest_s,
+                1e6 / f64::from(*period_us)
+            ));
+        }
+        let core = profile.profile(*period_us).map_err(|error| error.to_string())?;
+        let peak_micro = Generator::peak_micro(&core.shape, *period_us).map_err(|error| error.to_string())?;
+        let peak_rad_s = peak_micro as f64 * 1e-6;
+        if peak_rad_s > wish.speed_rad_s {
+            return Err(format!(
+                "the profile `{name}` reaches {peak_rad_s} rad/s, beyond the limit of {} rad/s: nothing was commanded",
+                wish.speed_rad_s
+            ));
+        }
+        let limits = Limits {
+            speed_rad_s: wish.speed_rad_s,
+            effort: wish.effort,
+            acceleration_rad_s2: profile.slew,
+            watchdog_s: WATCHDOG_S,
+        };
+        drive.limit(limits);
+        let promises = drive.promises();
+        let device = Commanded::new(drive, &core, *period_us, limits)
+            .map_err(|error| format!("the profile `{name}` cannot run: {error}"))?;
+        let terms = Terms {
+            peak_rad_s,
+            limits: format!("{} rad/s, {} {}", wish.speed_rad_s, wish.effort, effort.unit()),
+            promises,
+            wish,
+            #[cfg(feature = "window")]
+            channel_limits: device.channel_limits(),
+        };
+        Ok(Self { device: Box::new(device), terms })
+    }
+}
+
+impl Terms {
+    /// Time that the profile takes, s.
+    pub(crate) fn planned_s(&self) -> f64 {
+        self.wish.profile.duration_s + self.wish.profile.ramp_s
+    }
+
+    /// Says in a recording what is followed, and within which limits.
+    pub(crate) fn describe(&self, header: &mut RecordingHeader) {
+        header.planned_duration_s = Some(self.planned_s());
+        header.metadata.insert("profile".into(), self.wish.name.clone());
+        header.metadata.insert("limits".into(), self.limits.clone());
+        header.attachments.extend(attachment("profile.toml", self.wish.profile.to_toml()));
+    }
+}
+
+/// The drive at an address, and what it limits beside its speed.
+fn drive(address: &SourceAddress, period_ns: i64) -> Result<(Box<dyn Drive>, Effort), String> {
+    let words = |error: socam_sources::SourceError| error.to_string();
+    Ok(match address.protocol {
+        Protocol::Moteus(id) => (Box::new(Moteus::new(id, period_ns).map_err(words)?), Effort::Torque),
+        Protocol::Odrive(axis) => (Box::new(Odrive::new(axis, period_ns).map_err(words)?), Effort::Current),
+        #[cfg(feature = "formats-can")]
+        Protocol::Can(Node::Odrive(node)) => {
+            let drive = super::can::odrive(address, node, period_ns);
+            (Box::new(drive.map_err(|error| format!("{error:#}"))?), Effort::Current)
+        }
+        Protocol::Text
+        | Protocol::Can(_)
+        | Protocol::Dynamixel(_)
+        | Protocol::Feetech(_)
+        | Protocol::Foxglove(_) => {
+            return Err(format!(
+                "a profile commands a board, a virtual bench or a drive; {address} is only listened to or asked"
+            ));
+        }
+    })
+}
+
+/// What a drive limits beside its speed, and what it does not promise, whatever its limits are; `None` for devices that take no commands.
+#[cfg(feature = "window")]
+pub(crate) fn offered(address: &SourceAddress) -> Option<(Effort, Vec<String>)> {
+    let (mut drive, effort) = drive(address, 1_000_000).ok()?;
+    drive.limit(Limits { speed_rad_s: 1.0, effort: 1.0, acceleration_rad_s2: 1.0, watchdog_s: WATCHDOG_S });
+    let [_, not_promised] = drive.promises();
+    Some((effort, not_promised))
+}
