@@ -95,6 +95,11 @@ export class Board {
     this.note('boot', cause);
   }
 
+  /** The output's voltage. */
+  get volts() {
+    return this.output.volts;
+  }
+
   wire(pin, changed) {
     this.chip.rp2040.gpio[pin].addListener(() => changed(this.isHigh(pin)));
   }

@@ -16,6 +16,9 @@ const STATE_BYTES = 40;
 // A duty lasts a sampling interval, mostly: so many periods are asked for at once.
 const MOST_PERIODS = 20;
 const SUPPLY = 2;
+const SUPPLY_DIVIDER = 6;
+// The modulation's register of both inputs' times.
+const COMPARE = 0x0c;
 const FULL_SCALE_V = 3.3;
 // Of the motor's encoder and of the output's.
 const COUNTS_PER_TURN = [1024, 2400];
@@ -72,6 +75,13 @@ export class GearmotorBoard extends Board {
       wrap();
       this.period(slice);
     };
+    const write = slice.writeRegister.bind(slice);
+    slice.writeRegister = (offset, value) => {
+      write(offset, value);
+      if (offset !== COMPARE) return;
+      this.writes = (this.writes ?? 0) + 1;
+      if (this.enabled) this.peakV = Math.max(this.peakV ?? 0, Math.abs(this.volts));
+    };
     this.converter = new Converter(this.chip, (channel, atNs) => this.code(channel, atNs));
     this.edges = this.counts.map((_, number) => clock.createAlarm(() => this.edge(number)));
     this.counts.forEach((_, number) => this.show(number));
@@ -98,6 +108,13 @@ export class GearmotorBoard extends Board {
   }
 
   commanded() {}
+
+  /** The voltage that the bridge was last told to apply: its duty of the supply. */
+  get volts() {
+    const { cc } = this.chip.rp2040.pwm.channels[0];
+    const [first, second] = [cc & 0xffff, cc >>> 16];
+    return ((first - second) / PERIOD_CYCLES) * this.after.volts[SUPPLY] * SUPPLY_DIVIDER;
+  }
 
   /** The processor reads an encoder: the first of the two is where a conversion begins. */
   read() {
