@@ -145,7 +145,9 @@ export class GearmotorBoard extends Board {
     }
     const [first, second] = [slice.alarmA, slice.alarmB].map(({ target }) => Math.min(target, PERIOD_CYCLES) / PERIOD_CYCLES);
     const isModulated = PIN.bridge.every((pin) => this.chip.rp2040.gpio[pin].functionSelect === MODULATED);
-    const duty = this.enabled && isModulated ? first - second : null;
+    // Where neither input stays high, the bridge is open between two pulses. Taken for open all the time, it moves nothing.
+    const brakes = Math.max(first, second) === 1;
+    const duty = this.enabled && isModulated && brakes ? first - second : null;
     this.count(duty);
     if (this.ahead.length === 0) this.ahead = this.bench.step(now + PERIOD_NS, duty, this.foreseen());
     this.keep(this.ahead.shift());
