@@ -42,6 +42,9 @@ fn a_gearmotor_is_taken_from_its_first_run_to_a_fit() {
     println!("measured: first run on the emulated board: {said}");
     assert!(said.contains("1024 counts per turn by its index, counts with the voltage"), "{said}");
     assert!(said.contains("2400 counts per turn, counts with the voltage"), "{said}");
+    // A current that is late by a conversion, 0.25 ms, adds 2.2 ohm times that.
+    let inductance = said.split_once("about ").and_then(|(_, rest)| rest.split(' ').next()?.parse().ok());
+    assert!(inductance.is_some_and(|mh: f64| (mh - 1.5).abs() < 0.2), "{said}");
     board.ask(&json!({ "ask": "reset-measured" }));
     let ran = record(&board, &log, "gearmotor", &["--duration", "3s", "--calibration", &mine]).json();
     assert_eq!((&ran["end"], &ran["lost"]), (&"finished".into(), &0.into()), "{ran}");

@@ -76,7 +76,7 @@ pub(crate) fn text(look: Look) -> Dashboard {
 const DRIVE: &str = "moteus:/dev/ttyACM0?id=1";
 
 /// A drive at rest that can be commanded, with these limits of its channels.
-fn offered(look: Look, limits: Vec<Option<f64>>) -> (Dashboard, Bench) {
+fn offered(look: Look, does: &str, limits: Vec<Option<f64>>) -> (Dashboard, Bench) {
     let mut dashboard = dashboard(look, View::Live);
     dashboard.workspace.device = DRIVE.into();
     let (mut dashboard, bench) = linked(dashboard);
@@ -96,7 +96,7 @@ fn offered(look: Look, limits: Vec<Option<f64>>) -> (Dashboard, Bench) {
         command: format!("socam-host record --device '{DRIVE}' -o run.mcap --profile speeds.toml --limit 30rad/s --limit 0.5Nm --arm"),
     };
     let peer = Peer::Source(Source { is_asked: true, offer: Some(offer), unstated: None });
-    let board = format!("the moteus 1 behind an fdcanusb, which is only asked, at {DRIVE}");
+    let board = format!("the moteus 1 behind an fdcanusb, which {does}, at {DRIVE}");
     bench.news.send(News::Connected { peer, board, channels, limits }).unwrap();
     bench.news.send(health(State::Idle, None)).unwrap();
     dashboard.workspace.listen();
@@ -105,7 +105,7 @@ fn offered(look: Look, limits: Vec<Option<f64>>) -> (Dashboard, Bench) {
 
 /// A drive that is connected and at rest.
 pub(crate) fn at_rest(look: Look) -> (Dashboard, Bench) {
-    offered(look, vec![None; 5])
+    offered(look, "is only asked", vec![None; 5])
 }
 
 /// A drive that is recorded and not commanded, and whose cable was pulled for a second.
@@ -132,7 +132,7 @@ pub(crate) fn drive(look: Look) -> Dashboard {
 /// A drive that follows a signal within its limits.
 pub(crate) fn commanded(look: Look) -> Dashboard {
     let limits = vec![None, Some(30.0), Some(45.0), None, Some(30.0)];
-    let (mut dashboard, bench) = offered(look, limits);
+    let (mut dashboard, bench) = offered(look, "follows a profile", limits);
     dashboard.workspace.drive.set_speed(30.0);
     dashboard.workspace.drive.torque_nm = 0.5;
     bench.news.send(News::Began { path: "runs/rotor-4.mcap".into(), planned_s: 20.5 }).unwrap();
