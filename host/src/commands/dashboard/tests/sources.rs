@@ -182,7 +182,7 @@ fn plain_numbers_are_drawn_and_their_description_is_written_completed_and_used()
         }
     });
     let mut window = connect(&format!("udp:{port}"), folder.path());
-    window.get_by_label("Chart enc, 1");
+    window.get_by_label("Chart enc");
     assert!(window.query_all_by_label_contains("does not state the unit of `enc`").count() > 0);
     assert!(window.get_by_label("Record").accesskit_node().is_disabled());
     click(&mut window, "Write description");
