@@ -14,7 +14,9 @@ mod socket;
 mod writer;
 
 pub(crate) use address::{Place, Protocol, SourceAddress};
-pub(crate) use attendant::{Attendant, Terminal};
+#[cfg(feature = "window")]
+pub(crate) use attendant::Attendant;
+pub(crate) use attendant::Terminal;
 #[cfg(feature = "formats-can")]
 pub(crate) use bus::Bus;
 pub(crate) use bus::Node;
