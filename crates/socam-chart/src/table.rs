@@ -209,6 +209,7 @@ impl<'a> Table<'a> {
             .id_salt((self.name, is_narrow))
             .striped(true)
             .auto_shrink([false, true])
+            .min_scrolled_height(0.0)
             .max_scroll_height(self.most_height)
             .cell_layout(Layout::left_to_right(Align::Center));
         for (index, width) in widths.into_iter().enumerate() {

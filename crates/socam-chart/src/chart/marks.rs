@@ -180,7 +180,7 @@ pub(super) fn flags(
             None => free.push(end),
         }
         let place = pos2(left, bottom - galley.size().y);
-        let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.92);
+        let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.6);
         painter.rect_filled(Rect::from_min_size(place, galley.size()).expand(1.0), 2.0, ground);
         painter.galley(place, galley, flag.colour);
     }

@@ -164,6 +164,7 @@ fn fit(ui: &mut Ui, title: &str, fit: &Fit, fitted: &Fit) {
             let text = match column {
                 0 => return drop(ui.label(name.as_str())),
                 1 => number(channel.rms),
+                2 if noise(name).is_nan() => "-".into(),
                 2 => number(noise(name)),
                 _ => format!("{:.3} %", channel.vaf_percent),
             };

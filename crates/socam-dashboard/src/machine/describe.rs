@@ -90,7 +90,11 @@ fn buttons(ui: &mut Ui, form: &NewModel, workspace: &mut Workspace) -> bool {
             let content = Content::Bytes(model.text.clone().into_bytes());
             workspace.request(Request::SaveAs(Purpose::SaveModel, format!("{}.toml", model.name), content));
         }
-        if ui.button("Copy the command").on_hover_text(form.command()).clicked() {
+        if ui
+            .add_enabled(model.is_some(), Button::new("Copy the command"))
+            .on_hover_text(form.command())
+            .clicked()
+        {
             ui.ctx().copy_text(form.command());
         }
         is_left |= ui.button("Back").clicked();

@@ -178,10 +178,14 @@ fn now(ui: &mut Ui, model: &Model, name: &str, motion: &Motion, time_s: f64) {
         if let Some((measured, travel)) = node.measured.as_ref().and_then(|own| Some((own, own.at(time_s)?)))
         {
             let beyond = if measured.is_here { "" } else { ", beyond a spring" };
-            lines.push(format!("measured {} {angle}, by {}{beyond}", number(travel), measured.channel));
+            lines.push(format!(
+                "measured {} {angle} since the start, by {}{beyond}",
+                number(travel),
+                measured.channel
+            ));
         }
         if let Some(travel) = node.predicted.as_ref().and_then(|own| own.at(time_s)) {
-            lines.push(format!("predicted {} {angle}", number(travel)));
+            lines.push(format!("predicted {} {angle} since the start", number(travel)));
         }
     }
     if let Some(spring) = motion.springs.iter().find(|spring| spring.name == name) {
@@ -203,7 +207,7 @@ fn now(ui: &mut Ui, model: &Model, name: &str, motion: &Motion, time_s: f64) {
         }
     }
     if !lines.is_empty() {
-        ui.label(RichText::new(format!("At {time_s:.3} s, since the start:")).small().color(theme::weak(ui)));
+        ui.label(RichText::new(format!("At {time_s:.3} s:")).small().color(theme::weak(ui)));
         lines.iter().for_each(|line| drop(ui.add(Label::new(line).wrap())));
     }
 }

@@ -186,7 +186,7 @@ pub(super) fn marks(ui: &Ui, entries: &[Entry], x: [f64; 2]) -> Vec<Flag> {
             // The start of a recording is not marked.
             if (x[0]..=x[1]).contains(&at) && event.kind != "start" {
                 let is_grave = event.kind == "fault" || event.kind == "stop";
-                let own = || theme::line(ui, entry.number).gamma_multiply(0.75);
+                let own = || theme::line(ui, entry.number);
                 let colour = if is_grave { theme::alarm(ui) } else { own() };
                 let text = if event.kind == "phase" {
                     event.text.clone()

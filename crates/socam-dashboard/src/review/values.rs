@@ -41,7 +41,7 @@ impl Review {
         let [from, to] = drawing.x.map(|time| time - entry.shift_s);
         let rows = samples.row_at(from)..samples.row_at(to.next_up()).max(samples.row_at(from));
         let (mut chosen, mut problem) = (entry.number, None);
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             ui.add_space(4.0);
             ui.label(RichText::new("Values").strong());
             let name = short(&entry.recording.about.name);

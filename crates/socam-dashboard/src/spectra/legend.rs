@@ -13,7 +13,8 @@ pub(super) fn legend(ui: &mut Ui, shown: &[Shown<'_>]) {
         for (number, recording) in shown {
             let full_name = &recording.about.name;
             let name = short(full_name);
-            ui.allocate_ui(vec2(LEGEND_ENTRY, ui.spacing().interact_size.y), |ui| {
+            let beside = egui::Layout::left_to_right(egui::Align::Center);
+            ui.allocate_ui_with_layout(vec2(LEGEND_ENTRY, ui.spacing().interact_size.y), beside, |ui| {
                 ui.spacing_mut().item_spacing.x = 5.0;
                 swatch(ui, *number, name);
                 ui.add(egui::Label::new(RichText::new(name).small()).truncate()).on_hover_text(full_name);

@@ -267,10 +267,7 @@ impl Waveform {
                 // The peak of the sum depends on the phases: it is measured and scaled to the amplitude.
                 let peak_of_unit_lines = Generator::peak_micro(&with_lines(0, 1_000_000), sample_period_us)?;
                 let line_micro = (amplitude * 1e12 / peak_of_unit_lines.max(1) as f64) as i32;
-                // Rounded lines may reach a millionth more in their sum.
-                let reached = Generator::peak_micro(&with_lines(0, line_micro), sample_period_us)?;
-                let is_more = reached > i64::from(micro(amplitude));
-                with_lines(micro(offset), line_micro - i32::from(is_more))
+                with_lines(micro(offset), line_micro)
             }
         })
     }

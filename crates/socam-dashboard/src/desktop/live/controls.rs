@@ -69,6 +69,7 @@ fn input_signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Acti
     let mut chosen = None;
     ui.add_enabled_ui(idle, |ui| {
         ui.horizontal(|ui| {
+            crate::together::level(ui);
             let label = ui.label("Signal");
             let shown = ComboBox::from_id_salt("signal").selected_text(settings.name()).width(180.0);
             let answer = shown.show_ui(ui, |ui| {
@@ -112,7 +113,7 @@ fn input_signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Acti
 fn preview(ui: &mut Ui, bench: &Connection, line: &[[f64; 2]], unit: &str) {
     let mut chart = Chart::new("preview", format!("command, {unit}"), vec2(ui.available_width(), 96.0));
     chart.x = [0.0, line.last().map_or(1.0, |[time, _]| *time)];
-    chart.x_label = "s".into();
+    chart.x_label = "time, s".into();
     chart.y = chart.fitted(range_of(line.iter().map(|[_, value]| *value).chain([0.0])));
     let (name, colour) = ("command".into(), theme::line(ui, 0));
     chart.curves = vec![Curve { name, colour, parts: vec![line.to_vec()], style: Style::Solid }];
@@ -142,6 +143,7 @@ fn recording(ui: &mut Ui, bench: &Connection, next: &mut NextRun) -> Option<Acti
     let state = bench.state();
     ui.add_enabled_ui(!matches!(state, Some(State::Armed | State::Running | State::Stopping)), |ui| {
         ui.horizontal(|ui| {
+            crate::together::level(ui);
             let label = ui.label("Name");
             ui.add(TextEdit::singleline(&mut next.name).desired_width(120.0)).labelled_by(label.id);
             // A device that sends by itself has a rate of its own.
@@ -152,6 +154,7 @@ fn recording(ui: &mut Ui, bench: &Connection, next: &mut NextRun) -> Option<Acti
         });
     });
     ui.horizontal(|ui| {
+        crate::together::level(ui);
         let label = ui.label("Note");
         let field = ui.add(TextEdit::singleline(&mut next.note).desired_width(ui.available_width() - 76.0));
         let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));

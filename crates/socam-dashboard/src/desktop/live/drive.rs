@@ -25,7 +25,7 @@ fn is_at_rest(bench: &Connection) -> bool {
 
 /// The limits, what the drive keeps to and what it does not promise.
 pub(super) fn limits(ui: &mut Ui, bench: &Connection, offer: &Offer, run: &mut DriveRun) {
-    card(ui, "Limits of the Run", |ui| {
+    card(ui, "Limits of the run", |ui| {
         ui.add_enabled_ui(is_at_rest(bench), |ui| {
             let mut speed_rad_s = run.speed_rad_s();
             field(ui, "Largest speed", &mut speed_rad_s, MOST_RAD_S, "rad/s");
@@ -39,9 +39,9 @@ pub(super) fn limits(ui: &mut Ui, bench: &Connection, offer: &Offer, run: &mut D
         let rpm = run.speed_rad_s() * 30.0 / std::f64::consts::PI;
         let text = match run.limits(offer.effort) {
             None => {
-                "Set both: without them nothing is armed. The run ends where the drive states more.".into()
+                "Set both: without them nothing is armed. The run ends when the drive reports more.".into()
             }
-            Some(_) => format!("{rpm:.0} rpm at most. The run ends where the drive states more."),
+            Some(_) => format!("{rpm:.0} rpm at most. The run ends when the drive reports more."),
         };
         sentence(ui, &text, false);
         if !offer.kept.is_empty() && !is_at_rest(bench) {
@@ -73,6 +73,7 @@ fn sentence(ui: &mut Ui, text: &str, is_warning: bool) {
 /// A limit; 0 is shown as not set.
 fn field(ui: &mut Ui, name: &str, value: &mut f64, most: f64, unit: &str) {
     ui.horizontal(|ui| {
+        crate::together::level(ui);
         let label = ui.label(name);
         let suffix = format!(" {unit}");
         let speed = 0.01 * value.max(1.0);
@@ -94,6 +95,7 @@ pub(super) fn signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option
     let mut chosen = None;
     ui.add_enabled_ui(is_at_rest(bench), |ui| {
         ui.horizontal(|ui| {
+            crate::together::level(ui);
             let label = ui.label("Signal");
             let shown = ComboBox::from_id_salt("signal").selected_text(settings.name()).width(180.0);
             let answer = shown.show_ui(ui, |ui| {
@@ -121,9 +123,10 @@ pub(super) fn signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option
 
 fn acceleration(ui: &mut Ui, file: &mut ProfileFile) {
     ui.horizontal(|ui| {
+        crate::together::level(ui);
         let label = ui.label("Acceleration");
         let [low, high] = ACCELERATION_RAD_S2;
-        let drag = DragValue::new(&mut file.slew).speed(5.0).suffix(" rad/s2").range(low..=high);
+        let drag = DragValue::new(&mut file.slew).speed(5.0).suffix(" rad/s²").range(low..=high);
         let hint = "The largest of the signal: what would be steeper is made as steep as this. A moteus is told it as its own limit too";
         ui.add(drag).labelled_by(label.id).on_hover_text(hint);
     });

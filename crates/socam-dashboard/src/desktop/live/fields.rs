@@ -44,6 +44,6 @@ pub(super) fn slider(ui: &mut Ui, name: &str, value: &mut f64, [low, high]: [f64
         let label = label.inner;
         ui.spacing_mut().slider_width = (ui.available_width() - 88.0).max(60.0);
         let slider = Slider::new(value, low..=high).suffix(format!(" {unit}")).max_decimals(3);
-        ui.add(slider).labelled_by(label.id).on_hover_text(format!("{low} to {high} {unit}"));
+        ui.add(slider).labelled_by(label.id).on_hover_text(format!("{low:.3} to {high:.3} {unit}"));
     });
 }

@@ -322,6 +322,7 @@ impl WatchView {
         shown.response.labelled_by(label.id);
         if let Some(Subject::Recording(_)) = subject {
             ui.horizontal(|ui| {
+                crate::together::level(ui);
                 let label = ui.label("Speed");
                 let text = SPEEDS.iter().find(|(speed, _)| *speed == self.speed).map_or("", |(_, text)| text);
                 let shown = ComboBox::from_id_salt("speed").selected_text(text).show_ui(ui, |ui| {

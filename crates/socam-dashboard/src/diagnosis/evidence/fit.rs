@@ -13,7 +13,7 @@ use socam_workbench::display_units::{DisplayUnits, ShownIn};
 pub(super) fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides, units: &DisplayUnits) {
     ui.label(
         RichText::new(
-            "Root mean square residual in units of the noise floor: 1 is all that a perfect model could do",
+            "Root mean square residuals. Bars are their ratios to the noise floor on a logarithmic scale; at the line is 1, all that a perfect model could do",
         )
         .small()
         .color(theme::weak(ui)),
