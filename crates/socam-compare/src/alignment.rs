@@ -1,6 +1,7 @@
 //! The shift between the clocks of two devices that saw the same motion, with its interval.
 
 use serde::Serialize;
+use socam_recording::clocks::{Between, at_rows, median_step_s, present};
 
 use crate::delay::Matched;
 use crate::estimate::Estimate;
@@ -14,8 +15,6 @@ const LEAST_ROWS: usize = 256;
 const OVERLAP: f64 = 0.3;
 /// Most products that the search computes; longer cells are searched beyond.
 const MOST_PRODUCTS: f64 = 1e9;
-/// Longest pause between values that is interpolated over, in usual steps of a channel.
-const BRIDGED: f64 = 2.5;
 /// Steps of the second channel over which its slope is taken to both sides, so that its noise is small beside it.
 const REACH: f64 = 3.0;
 /// Most shifts that a message lists.
@@ -102,8 +101,10 @@ pub struct Range {
 /// # Errors
 /// When the channels do not determine one shift within the range.
 pub fn align(time_s: &[f64], fixed: &[f64], moved: &[f64], range: Range) -> Result<Alignment, NotAligned> {
-    let moved = Sampled::of(time_s, moved);
-    let dense = moved.at(time_s, 0.0);
+    let usual_step_s = |times_s: &[f64]| median_step_s(times_s).unwrap_or(0.0);
+    let (moved_s, moved) = present(time_s, moved);
+    let moved_step_s = usual_step_s(&moved_s);
+    let dense = at_rows(time_s, &moved_s, &moved, Between::Linear);
     let rows = fixed.iter().zip(&dense).filter(|(a, b)| a.is_finite() && b.is_finite()).count();
     let (Some(first), Some(last)) = (time_s.first(), time_s.last()) else {
         return Err(NotAligned::Short { rows });
@@ -111,8 +112,8 @@ pub fn align(time_s: &[f64], fixed: &[f64], moved: &[f64], range: Range) -> Resu
     if rows < LEAST_ROWS {
         return Err(NotAligned::Short { rows });
     }
-    let row_s = median_step_s(time_s);
-    let fixed_step_s = Sampled::of(time_s, fixed).step_s;
+    let row_s = usual_step_s(time_s);
+    let fixed_step_s = usual_step_s(&present(time_s, fixed).0);
     let mut step_s = row_s;
     // Beyond their whole length nothing overlaps.
     let span_s = last - first;
@@ -158,10 +159,10 @@ pub fn align(time_s: &[f64], fixed: &[f64], moved: &[f64], range: Range) -> Resu
     if !is_bounded {
         return Err(NotAligned::AtTheEnd { shift_s: place_s(best.lag) });
     }
-    let reach = (REACH * moved.step_s / row_s).round().max(1.0) as usize;
+    let reach = (REACH * moved_step_s / row_s).round().max(1.0) as usize;
     let matched = Matched::near(fixed, &dense, time_s, (row_s, place_s(best.lag)), reach);
     let Some(Matched { delay_s, gain, .. }) = matched else { return Err(NotAligned::Undetermined) };
-    let (half_width_s, most_s) = (0.5 * (delay_s.ci95[1] - delay_s.ci95[0]), moved.step_s.max(fixed_step_s));
+    let (half_width_s, most_s) = (0.5 * (delay_s.ci95[1] - delay_s.ci95[0]), moved_step_s.max(fixed_step_s));
     if !half_width_s.is_finite()
         || half_width_s > most_s
         || (delay_s.value - place_s(best.lag)).abs() > 3.0 * step_s
@@ -169,53 +170,6 @@ pub fn align(time_s: &[f64], fixed: &[f64], moved: &[f64], range: Range) -> Resu
         return Err(NotAligned::Uncertain { half_width_s, most_s });
     }
     Ok(Alignment { shift_s: delay_s, gain, correlation: best.correlation.copysign(gain.value) })
-}
-
-/// A channel's values that are there, with their times.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sampled {
-    time_s: Vec<f64>,
-    values: Vec<f64>,
-    /// Usual step between values, s.
-    pub step_s: f64,
-}
-
-impl Sampled {
-    /// Those of a column with NaN where a value is missing.
-    #[must_use]
-    pub fn of(time_s: &[f64], values: &[f64]) -> Self {
-        let held = time_s.iter().zip(values).filter(|(_, value)| value.is_finite());
-        let (time_s, values): (Vec<f64>, Vec<f64>) = held.map(|(time_s, value)| (*time_s, *value)).unzip();
-        let step_s = median_step_s(&time_s);
-        Self { time_s, values, step_s }
-    }
-
-    /// Linear between values at times, s, from which a shift, s, is taken; NaN outside and in pauses of more than 2.5 usual steps.
-    #[must_use]
-    pub fn at(&self, time_s: &[f64], shift_s: f64) -> Vec<f64> {
-        let value = |at_s: f64| {
-            let next = self.time_s.partition_point(|time_s| *time_s <= at_s);
-            let before = next.checked_sub(1)?;
-            let since_s = at_s - self.time_s[before];
-            if since_s == 0.0 {
-                return Some(self.values[before]);
-            }
-            let step_s = self.time_s.get(next)? - self.time_s[before];
-            let change = self.values[next] - self.values[before];
-            (step_s <= BRIDGED * self.step_s).then(|| self.values[before] + change * since_s / step_s)
-        };
-        time_s.iter().map(|time_s| value(time_s - shift_s).unwrap_or(f64::NAN)).collect()
-    }
-}
-
-/// Median of the steps between times, s; 0 of fewer than two.
-fn median_step_s(time_s: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
-    if steps.is_empty() {
-        return 0.0;
-    }
-    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Means of the values in cells of equal length, s; NaN where there is none.
@@ -254,7 +208,7 @@ mod tests {
         let fixed = time_s.iter().map(|t| 8.0 * motion(*t) + 0.05 * draw()).collect();
         let own_s: Vec<f64> = (0..(10.0 / step_s) as u32).map(|k| 0.0007 + step_s * f64::from(k)).collect();
         let own: Vec<f64> = own_s.iter().map(|t| 3.0 + motion(t - late_s) + 0.01 * draw()).collect();
-        let moved = Sampled::of(&own_s, &own).at(&time_s, 0.0);
+        let moved = at_rows(&time_s, &own_s, &own, Between::Linear);
         [time_s, fixed, moved]
     }
 

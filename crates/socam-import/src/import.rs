@@ -2,15 +2,15 @@
 
 use std::collections::HashSet;
 
+use socam_recording::clocks::{Between, at_rows, median_step_s, usual};
 use socam_recording::{Channel, Dataset, Epoch, Selection, Warning};
 
-use crate::align::{align, unwrap, usual};
+use crate::counts::unwrap;
 use crate::error::{ImportError, Result};
 use crate::file::File;
 use crate::formats::{Hints, read};
-use crate::mapping::{Between, ChannelMap, Mapping, Time};
+use crate::mapping::{ChannelMap, Mapping, Time};
 use crate::source::{Source, Wanted};
-use crate::times::median_step_s;
 
 /// A recording made of a file.
 #[derive(Debug)]
@@ -140,7 +140,7 @@ fn assemble(
         let understood = Understood::of(channel, &values, &times_s);
         if group != base {
             let between = channel.between.unwrap_or_else(|| usual(&rows_s, &times_s));
-            values = align(&rows_s, &times_s, &values, between);
+            values = at_rows(&rows_s, &times_s, &values, between);
             remarks.push(match between {
                 Between::Linear => "interpolated from another clock".into(),
                 Between::Hold => "held from another clock".into(),

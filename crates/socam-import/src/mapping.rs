@@ -4,6 +4,7 @@ mod conversion;
 
 use std::path::{Path, PathBuf};
 
+use socam_recording::clocks::Between;
 use socam_recording::{Fields, SettingsError, Unit, read_settings};
 
 use conversion::conversion;
@@ -62,17 +63,6 @@ pub enum Stamps {
     Exact,
     /// Samples were taken at even times, and written down a little later each: a line is fitted to the stamps.
     Jitter,
-}
-
-/// Interpolation of a channel between the samples of another clock.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Between {
-    /// Linear.
-    Linear,
-    /// The last value.
-    Hold,
-    /// Missing: each sample is put at the nearest row.
-    Missing,
 }
 
 /// Mapping from a signal to a channel.

@@ -1,11 +1,10 @@
 //! The offset between two clocks that saw the same motion.
 
+use socam_recording::clocks::{Between, at_rows, median_step_s};
 use socam_units::{Meaning, column};
 
-use crate::align::align;
-use crate::mapping::Between;
 use crate::source::{Signal, Source};
-use crate::times::{Times, median_step_s};
+use crate::times::Times;
 
 /// Correlation above which two signals are taken for the same motion.
 const SAME: f64 = 0.9;
@@ -36,8 +35,10 @@ pub(crate) fn between(
             if unit_of(a.1) != unit_of(b.1) {
                 continue;
             }
-            let (a, b) =
-                (align(&grid, rows_s, &a.0, Between::Linear), align(&grid, &times_s, &b.0, Between::Linear));
+            let (a, b) = (
+                at_rows(&grid, rows_s, &a.0, Between::Linear),
+                at_rows(&grid, &times_s, &b.0, Between::Linear),
+            );
             let Some((lag, correlation)) = lag(&a, &b) else { continue };
             if correlation > SAME && best.as_ref().is_none_or(|(_, other, _)| correlation > *other) {
                 let why = format!("`{name}` and `{other_name}` agree best so (correlation {correlation:.3})");

@@ -187,7 +187,7 @@ impl ProposedClock {
     }
 
     fn rate_hz(&self) -> Option<f64> {
-        let step = crate::times::median_step_s(&self.times.as_ref()?.seconds)?;
+        let step = socam_recording::clocks::median_step_s(&self.times.as_ref()?.seconds)?;
         (step > 0.0).then(|| step.recip())
     }
 }

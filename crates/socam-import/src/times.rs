@@ -1,6 +1,7 @@
 //! Times of a group's samples, by its clock.
 
 use socam_recording::Epoch;
+use socam_recording::clocks::median_step_s;
 
 use crate::mapping::Stamps;
 use crate::source::Group;
@@ -118,13 +119,6 @@ fn check(seconds: &[f64], rows: &[usize], name: &str) -> Result<(), Problem> {
             "the time `{name}` goes back from {before} s to {after} s in row {row}; split the file there, or delete what comes before"
         )
     })
-}
-
-/// Median of the steps.
-pub(crate) fn median_step_s(seconds: &[f64]) -> Option<f64> {
-    let mut steps: Vec<f64> = seconds.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
-    (!steps.is_empty()).then(|| *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// Puts the times of each stretch without a gap on a line, by least squares. Returns the largest change, s.

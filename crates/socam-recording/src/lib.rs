@@ -32,6 +32,7 @@ mod channel;
 pub mod check;
 mod checksum;
 mod clock_time;
+pub mod clocks;
 mod convert;
 mod csv_lines;
 mod csv_read;

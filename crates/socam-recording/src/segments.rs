@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::clocks::median_step_s;
+
 /// A step longer than this many sample times is a gap. Timer jitter is far below, one lost sample (2) above.
 pub const GAP_STEPS: f64 = 1.5;
 
@@ -114,7 +116,7 @@ impl SegmentFinder {
 
     fn settle(&mut self) {
         let waiting = std::mem::take(&mut self.waiting);
-        self.sample_time_s = Some(median_step(&waiting));
+        self.sample_time_s = Some(median_step_s(&waiting).unwrap_or(0.0));
         for time_s in waiting {
             self.place(time_s);
         }
@@ -139,15 +141,6 @@ impl SegmentFinder {
         open.shortest_s = open.shortest_s.min(step_s);
         open.longest_s = open.longest_s.max(step_s);
     }
-}
-
-fn median_step(times_s: &[f64]) -> f64 {
-    let mut steps_s: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if steps_s.is_empty() {
-        return 0.0;
-    }
-    let middle = steps_s.len() / 2;
-    *steps_s.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

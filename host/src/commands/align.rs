@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use serde::Serialize;
-use socam_compare::alignment::{Alignment, Range, Sampled, align};
+use socam_compare::alignment::{Alignment, Range, align};
+use socam_recording::clocks::{at_rows, present, usual};
 use socam_recording::{Channel, Dataset, Format, Loaded, Selection, import_mcap, read_attachments};
 
 use super::Outcome;
@@ -190,7 +191,7 @@ fn moved(data: &Dataset, loaded: &Loaded, together: &[usize], shift_s: f64) -> a
         if !together.contains(&index) {
             return values.to_vec();
         }
-        shifted(&loaded.time_s, values, shift_s, data.sample_time_s())
+        shifted(&loaded.time_s, values, shift_s)
     };
     let columns = loaded.columns.iter().enumerate().map(column).collect();
     let made = Dataset::from_columns(data.name(), data.channels().to_vec(), loaded.time_s.clone(), columns)?;
@@ -198,22 +199,10 @@ fn moved(data: &Dataset, loaded: &Loaded, together: &[usize], shift_s: f64) -> a
 }
 
 /// Values shifted by a time, s: between values of most rows they are interpolated; those of a slow device stand at the nearest row alone.
-fn shifted(time_s: &[f64], values: &[f64], shift_s: f64, row_s: f64) -> Vec<f64> {
-    let sampled = Sampled::of(time_s, values);
-    if sampled.step_s < 2.5 * row_s {
-        return sampled.at(time_s, shift_s);
-    }
-    let mut moved = vec![f64::NAN; time_s.len()];
-    for (at_s, value) in time_s.iter().zip(values).filter(|(_, value)| value.is_finite()) {
-        let at_s = at_s + shift_s;
-        let next = time_s.partition_point(|time_s| *time_s < at_s);
-        let near = [next.checked_sub(1), Some(next)].into_iter().flatten().filter(|row| *row < time_s.len());
-        let nearest = near.min_by(|a, b| (time_s[*a] - at_s).abs().total_cmp(&(time_s[*b] - at_s).abs()));
-        if let Some(row) = nearest.filter(|row| (time_s[*row] - at_s).abs() <= row_s) {
-            moved[row] = *value;
-        }
-    }
-    moved
+fn shifted(rows_s: &[f64], values: &[f64], shift_s: f64) -> Vec<f64> {
+    let (mut times_s, values) = present(rows_s, values);
+    times_s.iter_mut().for_each(|time_s| *time_s += shift_s);
+    at_rows(rows_s, &times_s, &values, usual(rows_s, &times_s))
 }
 
 fn sentence(found: &Alignment, fixed: &str, shifted: &str, channels: &[&str]) -> String {

@@ -108,7 +108,7 @@ fn time_unit(signal: &Signal) -> Option<(String, Option<String>)> {
 
 /// The unit in which a named time has a step of usual length, and why.
 fn by_step(signal: &Signal) -> Option<(&'static str, String)> {
-    let step = crate::times::median_step_s(&signal.values).filter(|step| *step > 0.0)?;
+    let step = socam_recording::clocks::median_step_s(&signal.values).filter(|step| *step > 0.0)?;
     let (unit, unit_s) = match step {
         step if step < 0.5 => ("s", 1.0),
         step if step <= 200.0 => ("ms", 1e-3),
@@ -123,7 +123,8 @@ fn unnamed(signal: &Signal) -> Option<(String, Option<String>)> {
     const EVEN: f64 = 0.05;
     const NEARLY_ALL: f64 = 0.9;
     let is_first = signal.name == "column 1" || (signal.name.ends_with(".1") && !signal.name.contains(' '));
-    let step = crate::times::median_step_s(&signal.values).filter(|step| *step > 0.0 && *step < 0.5)?;
+    let step =
+        socam_recording::clocks::median_step_s(&signal.values).filter(|step| *step > 0.0 && *step < 0.5)?;
     let steps = || signal.values.windows(2).map(|pair| pair[1] - pair[0]);
     let even = steps().filter(|own| (own - step).abs() < EVEN * step).count();
     let is_even = steps().all(|own| own > 0.0) && even as f64 >= NEARLY_ALL * steps().count() as f64;
