@@ -72,9 +72,9 @@ impl TransducerWatch {
             let limit_micro = limit_micro.unwrap_or_default();
             return Some(Fault::OverTorque { channel: index, value_micro, limit_micro });
         }
-        let is_stuck =
-            lasts(&mut self.repeated, is_repeated) >= STUCK_AFTER && channel.stuck_after_us.is_some();
         let for_us = time_us(self.same_for);
+        let is_long = channel.stuck_after_us.is_some_and(|after_us| for_us >= after_us);
+        let is_stuck = lasts(&mut self.repeated, is_repeated) >= STUCK_AFTER && is_long;
         is_stuck.then_some(Fault::SensorStuck { channel: index, count, for_us })
     }
 }
@@ -91,7 +91,7 @@ mod tests {
             kind: ChannelKind::Transducer,
             scale: Scale { micro_per_count_q16: 10_000 << 16, offset_micro: 0 },
             limit_micro: Some(3_000_000),
-            stuck_after_us: Some(1_000_000),
+            stuck_after_us: Some(100_000),
             ..Channel::UNUSED
         };
         config
