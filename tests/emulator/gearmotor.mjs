@@ -161,12 +161,14 @@ export class GearmotorBoard extends Board {
   }
 
   /**
-   * For how many periods a duty will last, at least: duties change at ticks, so until the next of these. A change that comes at another
-   * time takes effect up to a sampling interval late.
+   * For how many periods a duty will last, at least: duties change at ticks, so until the next of these, give or take a period where the tick
+   * writes near a period's end. A change that comes at another time takes effect up to a sampling interval late.
    */
   foreseen() {
     const { wraps, changedAt, interval } = this.ticks;
-    return interval - ((wraps - changedAt) % interval);
+    const place = (wraps - changedAt) % interval;
+    const mayHaveChanged = place === 0 && wraps > changedAt;
+    return mayHaveChanged ? 1 : Math.max(1, interval - 1 - place);
   }
 
   /** A period begins at this duty. */

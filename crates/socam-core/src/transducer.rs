@@ -39,6 +39,8 @@ pub(crate) struct TransducerWatch {
 
 impl TransducerWatch {
     /// Checks one sample; returns the fault found. Limits are compared with conversions, not with samples.
+    // A call, so that the loop over the other channels stays as short as it is without a transducer.
+    #[inline(never)]
     pub(crate) fn check(
         &mut self,
         config: &Config,
