@@ -318,7 +318,7 @@ mod tests {
         let per_second = values.len() as f64 / column.len() as f64 * 1e3;
         assert!((per_second - 80.0).abs() < 1.5, "{per_second}");
         let steady = &values[100..150];
-        assert!(steady.iter().all(|value| (value - 0.05).abs() < 2e-4), "{steady:?}");
+        assert!(steady.iter().all(|value| (value - 0.05).abs() < 5e-4), "{steady:?}");
         // Noise of 58 codes, of which 2147484 are a newton metre.
         assert!(steady.windows(2).all(|pair| pair[0] != pair[1]));
     }
