@@ -136,7 +136,8 @@ fn a_fit_with_a_torque_tells_the_frictions_of_motor_and_load_apart() {
     std::fs::write(&slow, SLOW).unwrap();
     let hidden = format!("coulomb_friction@load_bearing:torque={FRICTION_NM}");
     let bench = ["record", "-o", &log, "--device", "sim", "--model", "gearmotor", "--hide", &hidden];
-    run(bench.iter().chain(&["--calibration", &calibration, "--profile", &slow])).done();
+    let ran = run(bench.iter().chain(&["--calibration", &calibration, "--profile", &slow, "--json"])).json();
+    assert_eq!(ran["end"], "finished", "{ran}");
     let text = run(["template", "model", "gearmotor"]).done();
     std::fs::write(&model, text.replacen("[parameters]\n", PARAMETERS, 1) + MODEL).unwrap();
     let fitted = run(["identify", &format!("{log}@1.5..5"), "--model", &model, "--json"]).json();
