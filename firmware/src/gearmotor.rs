@@ -25,6 +25,8 @@ mod link;
 mod sampling;
 mod slot;
 mod start;
+#[path = "gearmotor/transducer.rs"]
+mod transducer;
 mod watchdog;
 
 use embassy_executor::Spawner;
@@ -37,6 +39,7 @@ use counters::Counters;
 use currents::Currents;
 use drive::Drive;
 use hardware::{Hardware, Lines};
+use transducer::Transducer;
 
 /// The bridge's enable line.
 const ENABLE_PIN: u8 = 22;
@@ -59,9 +62,11 @@ async fn main(spawner: Spawner) {
     let bridge = Bridge::start(p.PWM_SLICE0, (p.PIN_16, p.PIN_17));
     let counters = Counters::start(p.PIO0, (p.PIN_6, p.PIN_7), (p.PIN_8, p.PIN_9));
     let currents = Currents::start(p.ADC, (p.DMA_CH0, p.DMA_CH1), (p.PIN_26, p.PIN_27, p.PIN_28));
+    let transducer = Transducer::start(p.PIO1, (p.PIN_12, p.PIN_13));
     let enable_feedback = drive.feedback();
     let lines = Lines { drive, stop, cable };
-    let hardware = Hardware::new(counters, currents, bridge, lines, Config::default().sample_period_us);
+    let hardware =
+        Hardware::new(counters, currents, transducer, bridge, lines, Config::default().sample_period_us);
     let front_end = FrontEnd {
         kind: BoardKind::Gearmotor,
         input_full_scale_uv: currents::FULL_SCALE_UV,

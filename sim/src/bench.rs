@@ -11,6 +11,7 @@ use crate::gearmotor::{Gearmotor, GearmotorPins, SupplyRows, VOLTAGE_ROW};
 use crate::plant::{Effort, Plant, Trajectory};
 use crate::sensors::Sensor;
 use crate::setup::{Plants, Setup};
+use crate::transducer::Transducer;
 
 /// Name of the channel that is computed from the motor's torque.
 const MOTOR_CURRENT: &str = "motor_current";
@@ -57,6 +58,8 @@ pub(crate) struct Bench<'p> {
     inputs: Vec<Input>,
     /// Encoders and supply, where the board is a gearmotor's.
     gearmotor: Option<Gearmotor>,
+    /// The torque transducer with the number of its channel, if the board has one.
+    transducer: Option<(usize, Transducer)>,
     /// Rows of the plant, then those of the supply.
     outputs: Vec<f64>,
     supply: SupplyRows,
@@ -87,13 +90,20 @@ impl<'p> Bench<'p> {
         let is_gearmotor = calibration.board == BoardKind::Gearmotor;
         // The rotor's speed is the last row of a gearmotor's plant.
         let rotor = first_shaft + shafts.len();
-        let supply = SupplyRows::after(rotor + usize::from(is_gearmotor));
+        let transducer = calibration.channels.iter().position(|channel| channel.is_transducer);
+        let torque = setup.transducer_shaft(model).map(|_| rotor + 1);
+        let supply = SupplyRows::after(rotor + usize::from(is_gearmotor) + usize::from(torque.is_some()));
         let outputs = supply.voltage + if is_gearmotor { 2 } else { 0 };
         let gearmotor = is_gearmotor.then(|| Gearmotor::start(setup, rotor)).transpose()?;
         let inputs =
             calibration.channels.iter().zip(0u64..).enumerate().map(|(place, (channel, stream))| Input {
-                source: if is_gearmotor { electric(place, supply) } else { None }
-                    .unwrap_or_else(|| source(setup, &channel.channel)),
+                source: match torque.filter(|_| transducer == Some(place)) {
+                    Some(row) => Source::Output { row, scale: 1.0, offset: 0.0 },
+                    None => {
+                        if is_gearmotor && transducer != Some(place) { electric(place, supply) } else { None }
+                            .unwrap_or_else(|| source(setup, &channel.channel))
+                    }
+                },
                 faults: faults(setup, &channel.channel),
                 sensor: Sensor::new(channel, setup.seed, stream, setup.noise_std_of(channel)),
             });
@@ -112,6 +122,7 @@ impl<'p> Bench<'p> {
             empty_bits: setup.empty_bits,
             inputs: inputs.collect(),
             gearmotor,
+            transducer: transducer.map(|place| (place, Transducer::new(setup.seed, setup.noisy))),
             supply,
             outputs: vec![0.0; outputs],
             shafts: shafts.map(|shaft| (first_shaft + shaft, 0.0)).collect(),
@@ -164,8 +175,14 @@ impl<'p> Bench<'p> {
         counts.fill(0);
         let (converter, empty_bits) = (self.converter, self.empty_bits);
         // The mean is centred on the previous sample: hum is evaluated there.
-        for (count, volts) in counts.iter_mut().zip(self.read(from_s, step_s)) {
-            *count = i32::from(converter.count(volts) << empty_bits);
+        let volts: Vec<f64> = self.read(from_s, step_s).collect();
+        for (count, volts) in counts.iter_mut().zip(&volts) {
+            *count = i32::from(converter.count(*volts) << empty_bits);
+        }
+        if let Some((place, transducer)) = &mut self.transducer
+            && let Some((count, codes)) = counts.get_mut(*place).zip(volts.get(*place))
+        {
+            *count = transducer.step(to_s, *codes);
         }
         if let Some(gearmotor) = &self.gearmotor {
             gearmotor.read(counts);

@@ -50,7 +50,8 @@ pub(crate) struct Gearmotor {
 pub struct GearmotorPins {
     /// Angles of the motor's and of the output's encoder, rad.
     pub angles_rad: [f64; 2],
-    /// Voltages of the motor's current, of the supply's current and of the supply at the converter, V.
+    /// Voltages of the motor's current, of the supply's current and of the supply at the converter, V. Where a torque transducer is in place
+    /// of the supply's current, the second one is what its converter is at, in codes.
     pub volts: [f64; 3],
 }
 
@@ -300,5 +301,25 @@ mod tests {
         };
         let (braked, coasted) = (speed_after(true), speed_after(false));
         assert!(braked < 120.0 && coasted > 250.0, "{braked} {coasted}");
+    }
+
+    #[test]
+    fn a_transducer_reads_the_torque_of_the_output_shaft_with_its_conversions() {
+        let calibration = Calibration::parse(&Calibration::gearmotor_torque_text()).unwrap();
+        let setup = Setup { calibration, ..setup(&["coulomb_friction@load_bearing:torque=0.05"]) };
+        let profile = socam_core::Profile {
+            shape: socam_core::Shape::Constant { level_micro: 6_000_000 },
+            duration_us: 2_000_000,
+            ..ProfileFile::open("gearmotor").unwrap().profile(1000).unwrap()
+        };
+        let data = setup.record("run", &profile, 1000).unwrap();
+        let column = data.load(&["output_torque_Nm"]).unwrap().columns[0].values().to_vec();
+        let values: Vec<f64> = column.iter().copied().filter(|value| !value.is_nan()).collect();
+        let per_second = values.len() as f64 / column.len() as f64 * 1e3;
+        assert!((per_second - 80.0).abs() < 1.5, "{per_second}");
+        let steady = &values[100..150];
+        assert!(steady.iter().all(|value| (value - 0.05).abs() < 5e-4), "{steady:?}");
+        // Noise of 58 codes, of which 2147484 are a newton metre.
+        assert!(steady.windows(2).all(|pair| pair[0] != pair[1]));
     }
 }

@@ -31,6 +31,7 @@ mod record;
 mod replay;
 mod sensors;
 mod setup;
+mod transducer;
 mod truth;
 mod virtual_board;
 mod wiring;

@@ -67,7 +67,8 @@ impl Setup {
     pub(crate) fn noise_std_of(&self, channel: &CalibratedChannel) -> f64 {
         let is_computed = self.calibration.board == BoardKind::Gearmotor
             && self.calibration.channels.get(GearmotorChannel::MotorVoltage.index()) == Some(channel);
-        if !self.noisy || is_computed {
+        // A transducer's noise is that of its own converter.
+        if !self.noisy || is_computed || channel.is_transducer {
             return 0.0;
         }
         let own = self.noise_std.iter().find(|(name, _)| *name == channel.channel.name);
@@ -109,7 +110,7 @@ impl Setup {
     }
 
     /// Equations of the drivetrain with its drive, now and before a change in the middle of a run. The outputs are those of the
-    /// model, then the speeds of the shafts on whose angle a faulty sensor depends.
+    /// model, then the speeds of the shafts on whose angle a faulty sensor depends, a gearmotor's rotor, and the torque of a transducer.
     pub(crate) fn plants(&self) -> Result<Plants, SimError> {
         let truth = self.plant(&self.truth)?;
         let before = self.before.as_ref().map(|(before, _)| self.plant(before)).transpose()?;
@@ -151,7 +152,25 @@ impl Setup {
             let name = format!("rotor {node}");
             model.channels.push(plain_channel(Role::Output, Quantity::Speed, name, String::new(), node));
         }
+        if let Some(shaft) = self.transducer_shaft(&model) {
+            let name = format!("torque of {shaft}");
+            model.channels.push(plain_channel(Role::Output, Quantity::Torque, name, String::new(), shaft));
+        }
         model
+    }
+
+    /// The shaft in which a gearmotor's torque transducer sits: the elastic one that drives the node of the output's encoder. `None` where
+    /// the calibration has no transducer or the model no such shaft.
+    pub(crate) fn transducer_shaft(&self, model: &Model) -> Option<String> {
+        let channels = &self.calibration.channels;
+        channels.iter().find(|channel| channel.is_transducer)?;
+        let angle = channels.get(GearmotorChannel::OutputAngle.index())?.channel.column_name();
+        let encoder = model.outputs().find(|output| output.column == angle)?;
+        let shaft = model
+            .springs
+            .iter()
+            .find(|spring| spring.to.is_some_and(|to| model.nodes[to].name == encoder.at))?;
+        Some(shaft.name.clone())
     }
 
     /// Name of the node on whose angle a sensor's fault depends, for each such fault.
@@ -223,6 +242,7 @@ fn sensor(channel: Channel, full_scale: f64) -> CalibratedChannel {
     CalibratedChannel {
         channel,
         sensor: socam_core::scaling::Sensor { volts_per_unit, offset_v: 0.0 },
+        is_transducer: false,
         counts_per_turn: None,
         limit: None,
         stuck_s: None,

@@ -1,6 +1,6 @@
 //! The bench at a simulated board's connectors.
 
-use socam_core::{ConverterSilent, Ports};
+use socam_core::{ConverterSilent, GearmotorChannel, Ports};
 use socam_recording::Calibration;
 
 use crate::SimError;
@@ -47,6 +47,8 @@ impl Ports for Wiring<'_> {
     type Count = i32;
 
     const WATCHES_MOTOR: bool = true;
+
+    const TRANSDUCER: Option<u8> = Some(GearmotorChannel::SupplyCurrent as u8);
 
     fn now_us(&mut self) -> u64 {
         self.now_us

@@ -6,6 +6,7 @@
 import { readSync, writeSync } from 'node:fs';
 import { Board } from './board.mjs';
 import { Converter } from './converter.mjs';
+import { Hx711 } from './hx711.mjs';
 import { Pio } from './pio.mjs';
 
 const PIN = { encoders: [6, 8], index: 10, bridge: [16, 17], stop: 15 };
@@ -16,6 +17,8 @@ const STATE_BYTES = 40;
 // A duty lasts a sampling interval, mostly: so many periods are asked for at once.
 const MOST_PERIODS = 20;
 const SUPPLY = 2;
+// What the torque transducer's converter is at, in codes; volts where the bench has the supply's current instead.
+const TORQUE = 1;
 const SUPPLY_DIVIDER = 6;
 // The modulation's register of both inputs' times.
 const COMPARE = 0x0c;
@@ -63,12 +66,14 @@ export class GearmotorBoard extends Board {
     const rest = { atNs: 0, turns: [0, 0], volts: [1.65, 1.65, 2] };
     this.states = [rest, rest, rest, rest];
     this.ahead = [];
+    this.hx711 = undefined;
     this.ticks = { wraps: 0, changedAt: 0, interval: MOST_PERIODS, duty: null };
   }
 
   attach() {
     const { rp2040, clock } = this.chip;
-    this.pio = new Pio(this.chip, () => this.read());
+    this.pio = new Pio(this.chip, 0, () => this.read());
+    this.hx711 = new Hx711(this.chip, new Pio(this.chip, 1, () => {}), this.hx711);
     const slice = rp2040.pwm.channels[0];
     const wrap = slice.wrap.bind(slice);
     slice.wrap = () => {
@@ -151,16 +156,19 @@ export class GearmotorBoard extends Board {
     this.count(duty);
     if (this.ahead.length === 0) this.ahead = this.bench.step(now + PERIOD_NS, duty, this.foreseen());
     this.keep(this.ahead.shift());
+    this.hx711.pass(now, this.before.volts[TORQUE]);
     this.counts.forEach((_, number) => this.plan(number));
   }
 
   /**
-   * For how many periods a duty will last, at least: duties change at ticks, so until the next of these. A change that comes at another
-   * time takes effect up to a sampling interval late.
+   * For how many periods a duty will last, at least: duties change at ticks, so until the next of these, give or take a period where the tick
+   * writes near a period's end. A change that comes at another time takes effect up to a sampling interval late.
    */
   foreseen() {
     const { wraps, changedAt, interval } = this.ticks;
-    return interval - ((wraps - changedAt) % interval);
+    const place = (wraps - changedAt) % interval;
+    const mayHaveChanged = place === 0 && wraps > changedAt;
+    return mayHaveChanged ? 1 : Math.max(1, interval - 1 - place);
   }
 
   /** A period begins at this duty. */
@@ -224,6 +232,10 @@ export class GearmotorBoard extends Board {
         else this.forced.set(channel, volts);
         break;
       }
+      case 'transducer':
+        this.note('injected', what);
+        this.hx711.state = value;
+        break;
       case 'supply':
         this.note('injected', what);
         if (value === 'gone') this.forced.set(SUPPLY, 0);

@@ -1,15 +1,17 @@
 // The programmable inputs and outputs in the chip's time; rp2040js runs them in JavaScript's event loop, in none.
 //
-// They are brought up to the present before the processor looks at them and before one of their pins changes. Rounds of a program in which
-// nothing but a counter in X changes are skipped.
+// They are brought up to the present before the processor looks at them and before one of their pins changes. Rounds of an endless program in
+// which nothing but a counter in X changes are skipped; one that waits for a pin does so until it changes.
 
 const RXF = 0x20;
 
 export class Pio {
-  /** `read(machine)`: the processor reads a machine's queue. */
-  constructor(chip, read) {
+  /** The first or second one (0, 1). `read(machine)`: the processor reads a machine's queue. */
+  constructor(chip, number, read) {
     this.chip = chip;
-    this.pio = chip.rp2040.pio[0];
+    // The first one's programs count rounds in X, the second one's ends a loop by it.
+    this.isEndless = number === 0;
+    this.pio = chip.rp2040.pio[number];
     this.atNs = chip.nanos;
     this.due = new Float64Array(this.pio.machines.length);
     const { pio } = this;
@@ -34,20 +36,23 @@ export class Pio {
     this.pio.machines.forEach((machine, number) => {
       if (!machine.enabled) return;
       this.due[number] += cycles / (machine.clockDivInt + machine.clockDivFrac / 256);
-      this.due[number] -= run(machine, this.due[number]);
+      this.due[number] -= run(machine, this.due[number], this.isEndless);
     });
   }
 }
 
 /** Runs a machine for at least so many of its cycles; returns how many it took. */
-function run(machine, cycles) {
+function run(machine, cycles, isEndless) {
   const began = machine.cycles;
   const until = began + cycles;
   let before = null;
   while (machine.cycles + 1 <= until) {
     const { pc } = machine;
     machine.step();
-    if (machine.pc > pc) continue;
+    machine.pio.checkChangedPins();
+    // It waits for a pin, which changes only after it was brought up to the present.
+    if (machine.waiting) machine.cycles = until;
+    if (machine.pc > pc || !isEndless) continue;
     // The program went back: to where it was at the same instruction a round ago?
     const now = state(machine);
     if (before && before.same === now.same) {

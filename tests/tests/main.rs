@@ -46,6 +46,8 @@ mod gearmotor;
 mod gearmotor_board;
 #[cfg(feature = "full")]
 mod gearmotor_rates;
+#[cfg(feature = "full")]
+mod gearmotor_torque;
 mod identify;
 mod import;
 #[cfg(feature = "full")]

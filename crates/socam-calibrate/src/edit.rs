@@ -62,6 +62,13 @@ pub fn edit_calibration(
                 names.join(", ")
             )));
         };
+        if before.channels[index].is_transducer {
+            return Err(SettingsError::new(format!(
+                "`{}` is a torque transducer's, which is calibrated in counts: write `counts_per_unit` and `offset_counts` into the file, \
+                 see docs/gearmotor.md",
+                measured.channel
+            )));
+        }
         // SI per unit of the file, from the sensor's own entry.
         let in_file = table.get("volts_per_unit").and_then(number).unwrap_or(1.0);
         let si = in_file / before.channels[index].sensor.volts_per_unit;

@@ -1,7 +1,7 @@
 //! Drivers of the board's converters, on the traits of `embedded-hal`.
 //!
 //! Every access is verified: [`Ads8688`] sends channel and range with every conversion, [`Ad5761r`] is read back after every write.
-//! A line that is cut, stuck or shorted is an [`Error`] at once, never a value.
+//! A line that is cut, stuck or shorted is an [`Error`] at once, never a value. The [`hx711`] has no such check but the level of its last bit.
 #![no_std]
 #![cfg_attr(
     not(test),
@@ -16,6 +16,7 @@
 
 mod ad5761r;
 mod ads8688;
+pub mod hx711;
 
 pub use ad5761r::Ad5761r;
 pub use ads8688::{Ads8688, Order};

@@ -71,12 +71,14 @@ pub enum ChannelKind {
     EncoderAngle,
     /// rad/s, of an encoder.
     EncoderSpeed,
+    /// N m, of a transducer that is slower than sampling, see [`crate::transducer`].
+    Transducer,
 }
 
 impl ChannelKind {
     /// Whether its counts need 32 bits.
     pub fn is_wide(self) -> bool {
-        matches!(self, Self::EncoderAngle | Self::EncoderSpeed)
+        matches!(self, Self::EncoderAngle | Self::EncoderSpeed | Self::Transducer)
     }
 
     /// Whether a speed loop can use it.

@@ -145,6 +145,13 @@ pub enum Fault {
         /// The speed by the winding, urad/s.
         expected_micro: i32,
     },
+    /// The torque transducer's converter gives no valid conversion.
+    TransducerSilent {
+        /// Its channel.
+        channel: u8,
+        /// For how long.
+        for_us: u32,
+    },
 }
 
 impl Fault {
@@ -177,6 +184,7 @@ impl Fault {
             Self::Stalled { .. } => 24,
             Self::EncoderSilent { .. } => 25,
             Self::EncoderReversed { .. } => 26,
+            Self::TransducerSilent { .. } => 27,
         }
     }
 
@@ -307,6 +315,13 @@ impl fmt::Display for Sentence<'_> {
                 name(channel),
                 Milli(value_micro),
                 Milli(expected_micro)
+            ),
+            Fault::TransducerSilent { channel, for_us } => write!(
+                f,
+                "{} is silent: its converter has sent no valid conversion for {} ms; check its supply and both wires, or record with a \
+                 calibration without it",
+                name(channel),
+                for_us / 1000
             ),
         }
     }

@@ -21,6 +21,7 @@ pub enum GearmotorChannel {
     OutputAngle,
     OutputSpeed,
     MotorCurrent,
+    /// Or a torque transducer, where the configuration says so ([`crate::ChannelKind::Transducer`]).
     SupplyCurrent,
     SupplyVoltage,
     MotorVoltage,

@@ -60,6 +60,7 @@ mod schedule;
 mod sealed;
 mod state;
 mod status;
+pub mod transducer;
 mod triangle;
 mod velocity;
 

@@ -1,6 +1,6 @@
 //! The hardware of a board, as a trait.
 
-use crate::{Ceilings, Count};
+use crate::{Ceilings, Config, Count};
 
 /// A converter did not answer within its time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,11 +15,17 @@ pub trait Ports {
     /// Whether it drives a direct-current motor that the board compares with the motor's encoder, see [`crate::MotorWatch`].
     const WATCHES_MOTOR: bool = false;
 
+    /// Channel that may be a torque transducer's in place of what it is otherwise, if the board has one.
+    const TRANSDUCER: Option<u8> = None;
+
     /// Limits that this board never exceeds.
     const CEILINGS: Ceilings = Ceilings::WIDEST;
 
     /// Microseconds since power-on; never decreases.
     fn now_us(&mut self) -> u64;
+
+    /// Tells which of several things a channel is from now on. Boards without a choice keep this default.
+    fn choose(&mut self, _config: &Config) {}
 
     /// Reads one count per entry of `counts`, in channel order.
     fn read(&mut self, counts: &mut [Self::Count]) -> Result<(), ConverterSilent>;

@@ -2,6 +2,7 @@
 
 use crate::config::{Channel, ChannelKind, Config};
 use crate::layout::MAX_CHANNELS;
+use crate::transducer::TransducerWatch;
 use crate::{Count, Fault, conversions_per_sample, fixed};
 
 /// Number of sensors from which equal counts in all of them are a fault, not chance, ...
@@ -24,6 +25,8 @@ const FEWEST_MEANS: u32 = 1000;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Watch<C> {
     channels: [ChannelWatch<C>; MAX_CHANNELS],
+    /// A board has one transducer at most.
+    transducer: TransducerWatch,
 }
 
 /// Consecutive samples of one channel with each symptom.
@@ -62,7 +65,7 @@ impl<C: Count> Watch<C> {
             missing_after: samples(config.missing_after_us),
             ..ChannelWatch::default()
         });
-        Self { channels }
+        Self { channels, transducer: TransducerWatch::default() }
     }
 
     /// Checks one set of readings, taken while `output_uv` was commanded, and returns the first fault found. A converter that repeats
@@ -79,6 +82,10 @@ impl<C: Count> Watch<C> {
         for (((index, watch), channel), &count) in
             (0u8..).zip(&mut self.channels).zip(config.used_channels()).zip(counts)
         {
+            if C::MAY_BE_WIDE && channel.kind == ChannelKind::Transducer {
+                fault = fault.or(self.transducer.check(config, channel, index, count.into()));
+                continue;
+            }
             let found = watch
                 .saturation(config, channel, index, count)
                 .or_else(|| watch.limit(config, channel, index, count))
@@ -117,7 +124,9 @@ impl<C: Count> ChannelWatch<C> {
             ChannelKind::Speed | ChannelKind::EncoderSpeed => {
                 Fault::OverSpeed { channel: index, value_micro, limit_micro }
             }
-            ChannelKind::Torque => Fault::OverTorque { channel: index, value_micro, limit_micro },
+            ChannelKind::Torque | ChannelKind::Transducer => {
+                Fault::OverTorque { channel: index, value_micro, limit_micro }
+            }
             ChannelKind::Current => Fault::OverCurrent { channel: index, value_micro, limit_micro },
             ChannelKind::Other | ChannelKind::EncoderAngle => {
                 Fault::OverLimit { channel: index, value_micro, limit_micro }

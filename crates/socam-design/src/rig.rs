@@ -83,7 +83,8 @@ impl Rig {
         let of = |column: &str| {
             let channel = self.setup.calibration.channels.iter().find(|c| c.channel.column_name() == column);
             let step = channel.map_or(0.0, |channel| {
-                self.setup.calibration.input.volts_per_count()
+                let count = self.setup.calibration.input.volts_per_count();
+                (if channel.is_transducer { 1.0 } else { count })
                     / channel.sensor.volts_per_unit.abs()
                     / 12_f64.sqrt()
             });

@@ -4,8 +4,8 @@ use embassy_rp::gpio::Input;
 use embassy_rp::pac;
 use socam_core::encoder::{Encoder, EncoderReading};
 use socam_core::{
-    Applied, Average, Ceilings, ConverterSilent, GearmotorChannel, MAX_CHANNELS, Ports, bridge,
-    conversions_per_sample,
+    Applied, Average, Ceilings, ChannelKind, Config, ConverterSilent, GearmotorChannel, MAX_CHANNELS, Ports,
+    bridge, conversions_per_sample,
 };
 
 use crate::bridge::Bridge;
@@ -13,6 +13,7 @@ use crate::clock::{now_us, whole_us};
 use crate::counters::{Counters, TICKS_PER_S};
 use crate::currents::{Currents, FULL_SCALE_UV, INPUTS};
 use crate::drive::Drive;
+use crate::transducer::Transducer;
 
 /// What its channels are counted in.
 pub(crate) type Count = i32;
@@ -42,6 +43,9 @@ pub(crate) struct Hardware {
     readings: [EncoderReading; 2],
     encoders: [Encoder; 2],
     currents: Currents,
+    transducer: Transducer,
+    /// Whether the transducer takes the place of the supply's current.
+    has_transducer: bool,
     bridge: Bridge,
     applied: Applied,
     drive: Drive,
@@ -69,6 +73,7 @@ impl Hardware {
     pub(crate) fn new(
         counters: Counters,
         currents: Currents,
+        transducer: Transducer,
         bridge: Bridge,
         lines: Lines,
         period_us: u32,
@@ -79,6 +84,8 @@ impl Hardware {
             readings: [EncoderReading::default(); 2],
             encoders: [Encoder::new(TICKS_PER_S, log2); 2],
             currents,
+            transducer,
+            has_transducer: false,
             bridge,
             applied: Applied::new(log2),
             drive: lines.drive,
@@ -118,6 +125,7 @@ impl Hardware {
             Ok(means) => self.latest.iter_mut().zip(means).for_each(|(latest, mean)| *latest = mean),
             Err(ConverterSilent) => self.failed = true,
         }
+        self.transducer.look();
         self.take(now_us)
     }
 
@@ -152,10 +160,17 @@ impl Ports for Hardware {
 
     const WATCHES_MOTOR: bool = true;
 
+    const TRANSDUCER: Option<u8> = Some(GearmotorChannel::SupplyCurrent as u8);
+
     const CEILINGS: Ceilings = CEILINGS;
 
     fn now_us(&mut self) -> u64 {
         whole_us()
+    }
+
+    fn choose(&mut self, config: &Config) {
+        let channel = config.channels.get(GearmotorChannel::SupplyCurrent.index());
+        self.has_transducer = channel.is_some_and(|channel| channel.kind == ChannelKind::Transducer);
     }
 
     fn read(&mut self, counts: &mut [Count]) -> Result<(), ConverterSilent> {
@@ -163,6 +178,9 @@ impl Ports for Hardware {
         let [motor, output] = &self.encoders;
         let ([motor_angle, motor_speed], [output_angle, output_speed]) = (motor.sample(), output.sample());
         let [motor_a, supply_a, supply, ..] = *self.average.sample();
+        // Taken in any case, so that what is taken first is not old.
+        let torque = self.transducer.take();
+        let supply_or_torque = if self.has_transducer { torque } else { supply_a.into() };
         let mut all = [0; MAX_CHANNELS];
         for (channel, count) in [
             (GearmotorChannel::MotorAngle, motor_angle),
@@ -170,7 +188,7 @@ impl Ports for Hardware {
             (GearmotorChannel::OutputAngle, output_angle),
             (GearmotorChannel::OutputSpeed, output_speed),
             (GearmotorChannel::MotorCurrent, motor_a.into()),
-            (GearmotorChannel::SupplyCurrent, supply_a.into()),
+            (GearmotorChannel::SupplyCurrent, supply_or_torque),
             (GearmotorChannel::SupplyVoltage, supply.into()),
             (GearmotorChannel::MotorVoltage, self.applied.sample()),
         ] {

@@ -61,6 +61,7 @@ impl<P: Ports, const N: usize> Board<'_, P, N> {
         self.expect(State::Idle)?;
         config.check_for::<P>()?;
         self.schedule.set_period(config.sample_period_us);
+        self.ports.choose(&config);
         self.config = Sealed::new(config);
         self.loaded = Sealed::new(None);
         Ok(())

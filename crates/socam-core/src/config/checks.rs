@@ -1,6 +1,6 @@
 //! What a configuration must be, so that a board can run with it.
 
-use super::{Channel, Config, ConfigError, SpeedControl};
+use super::{Channel, ChannelKind, Config, ConfigError, SpeedControl};
 use crate::ceilings::Ceilings;
 use crate::count::Count;
 use crate::layout::MAX_CHANNELS;
@@ -56,6 +56,12 @@ impl Config {
                 (0u8..).zip(self.used_channels()).find(|(_, channel)| channel.kind.is_wide())
         {
             return Err(ConfigError::NoEncoder(i));
+        }
+        let elsewhere = |(i, channel): &(u8, &Channel)| {
+            channel.kind == ChannelKind::Transducer && Some(*i) != P::TRANSDUCER
+        };
+        if let Some((i, _)) = (0u8..).zip(self.used_channels()).find(elsewhere) {
+            return Err(ConfigError::NoTransducer(i));
         }
         if self.motor.is_some() && !P::WATCHES_MOTOR {
             return Err(ConfigError::NoMotor);

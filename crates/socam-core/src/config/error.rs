@@ -27,6 +27,8 @@ pub enum ConfigError {
     Motor,
     /// This channel is an encoder's, and the board has none.
     NoEncoder(u8),
+    /// This channel is a transducer's, and the board has none there.
+    NoTransducer(u8),
     /// There is a motor, and this board compares none with its encoder.
     NoMotor,
     /// No channel has anything that would end a run.
@@ -66,6 +68,9 @@ impl fmt::Display for ConfigError {
             ),
             Self::NoEncoder(i) => {
                 write!(f, "channel {i} is an encoder's, and this board has no encoders: give a calibration for this board")
+            }
+            Self::NoTransducer(i) => {
+                write!(f, "channel {i} is a torque transducer's, and this board has none there: give a calibration for this board")
             }
             Self::NoMotor => {
                 f.write_str("this board cannot compare a motor with its encoder: give a calibration for this board")

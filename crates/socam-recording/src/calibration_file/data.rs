@@ -100,8 +100,10 @@ pub struct Winding {
 pub struct CalibratedChannel {
     /// Name and SI unit.
     pub channel: Channel,
-    /// Volts over SI; nothing where the channel is an encoder's.
+    /// Volts over SI; counts over SI where the channel is a transducer's; nothing where it is an encoder's.
     pub sensor: Sensor,
+    /// Whether it is a torque transducer with a converter of its own, slower than sampling: most samples have no value of it.
+    pub is_transducer: bool,
     /// Counts per turn of the encoder that the channel is of, negative where it counts backwards.
     pub counts_per_turn: Option<f64>,
     /// Largest allowed magnitude.
@@ -121,6 +123,7 @@ impl Default for Calibration {
         let channel = |name: &str, unit, sensor, limit, missing_below| CalibratedChannel {
             channel: Channel::new(name, unit),
             sensor,
+            is_transducer: false,
             counts_per_turn: None,
             limit: Some(limit),
             stuck_s: Some(0.025),

@@ -10,7 +10,7 @@ use std::path::Path;
 use socam_core::scaling::{self, Converter, micro};
 use socam_core::{
     ChannelKind, Config, ConfigError, GearmotorChannel, MAX_CHANNELS, MotorWatch, Output, Scale,
-    SpeedControl, encoder,
+    SpeedControl, encoder, transducer,
 };
 
 use crate::settings::{self, SettingsError};
@@ -24,7 +24,22 @@ const DEFAULT: &str = include_str!("../calibrations/speed-o-cam.toml");
 /// A gearmotor with an encoder on its motor and one on its output.
 const GEARMOTOR: &str = include_str!("../calibrations/gearmotor.toml");
 
+/// A torque transducer in place of the supply's current.
+const TRANSDUCER: &str = include_str!("../calibrations/transducer.toml");
+
 impl Calibration {
+    /// The TOML text of a gearmotor board's calibration with a torque transducer: a file to start from.
+    #[must_use]
+    pub fn gearmotor_torque_text() -> String {
+        let table = "[[channel]]";
+        let mut parts = GEARMOTOR.split_inclusive(table);
+        // What follows the table's header, to the header after it.
+        let before: String = parts.by_ref().take(GearmotorChannel::SupplyCurrent.index() + 1).collect();
+        let rest: String = parts.skip(1).collect();
+        let before = before.strip_suffix(table).unwrap_or(&before);
+        format!("{before}{TRANSDUCER}{table}{rest}")
+    }
+
     /// The TOML text of a gearmotor board's calibration: a file to start from.
     #[must_use]
     pub fn gearmotor_text() -> &'static str {
@@ -49,12 +64,13 @@ impl Calibration {
         std::iter::once(command).chain(self.channels.iter().map(|channel| channel.channel.clone())).collect()
     }
 
-    /// One sample in SI, in the order of [`Self::recorded_channels`].
+    /// One sample in SI, in the order of [`Self::recorded_channels`]; NaN where a transducer has no measurement in it.
     pub fn values<'a>(&'a self, output_count: i16, counts: &'a [i32]) -> impl Iterator<Item = f64> + 'a {
         let inputs = self.channels.iter().zip(counts);
         let volts_per_count = self.input.volts_per_count();
         let inputs = inputs.map(move |(channel, &count)| match channel.rad_per_count() {
             Some(rad_per_count) => f64::from(count) * rad_per_count,
+            None if channel.is_transducer => channel.of_transducer(count),
             None => channel.sensor.value(f64::from(count) * volts_per_count),
         });
         std::iter::once(self.output.volts(output_count)).chain(inputs)
@@ -128,7 +144,18 @@ impl CalibratedChannel {
         Some(std::f64::consts::TAU / (per_turn * f64::from(1u32 << bits)))
     }
 
+    /// The value of a transducer's count, SI; NaN where it is no measurement.
+    fn of_transducer(&self, count: i32) -> f64 {
+        if transducer::is_measured(count) { self.sensor.value(f64::from(count)) } else { f64::NAN }
+    }
+
     fn scale(&self, converter: &Converter) -> Scale {
+        if self.is_transducer {
+            return Scale {
+                micro_per_count_q16: (1e6 / self.sensor.volts_per_unit * 65_536.0).round() as i64,
+                offset_micro: micro(self.sensor.value(0.0)),
+            };
+        }
         self.rad_per_count().map_or_else(
             || self.sensor.scale(converter),
             |rad| Scale { micro_per_count_q16: (rad * 1e6 * 65_536.0).round() as i64, offset_micro: 0 },
@@ -138,6 +165,7 @@ impl CalibratedChannel {
     fn watched(&self, converter: &Converter) -> socam_core::Channel {
         socam_core::Channel {
             kind: match (self.channel.unit, self.counts_per_turn) {
+                _ if self.is_transducer => ChannelKind::Transducer,
                 (Unit::RadPerS, Some(_)) => ChannelKind::EncoderSpeed,
                 (_, Some(_)) => ChannelKind::EncoderAngle,
                 (Unit::RadPerS, None) => ChannelKind::Speed,
@@ -147,7 +175,8 @@ impl CalibratedChannel {
             },
             scale: self.scale(converter),
             limit_micro: self.limit.map(micro),
-            saturation_count: self.counts_per_turn.is_none().then(|| converter.highest_count()),
+            saturation_count: (self.counts_per_turn.is_none() && !self.is_transducer)
+                .then(|| converter.highest_count()),
             stuck_after_us: self.stuck_s.map(us),
             missing_below_micro: self.missing_below.map(micro),
         }

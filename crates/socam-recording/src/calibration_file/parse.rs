@@ -1,7 +1,7 @@
 //! Reads a calibration from TOML.
 
 use socam_core::scaling::{Converter, MotorCalibration, RAD_S_PER_RPM, Sensor};
-use socam_core::{BoardKind, MAX_CHANNELS};
+use socam_core::{BoardKind, GearmotorChannel, MAX_CHANNELS};
 
 use super::data::{COMMAND, CalibratedChannel, Calibration, MotorStd, Safety, SpeedGains, Winding};
 use crate::settings::{Fields, SettingsError};
@@ -104,6 +104,9 @@ const GEARMOTOR: [Unit; MAX_CHANNELS] =
 
 const ENCODER_CHANNELS: usize = 4;
 
+/// Fewest counts of a transducer in a newton metre: the board computes with 2^14 millionths of it in a count at most.
+const LEAST_COUNTS_PER_NM: f64 = 100.0;
+
 fn read_board(fields: &mut Fields<'_>) -> BoardKind {
     let kinds = [("analog", BoardKind::Analog), ("gearmotor", BoardKind::Gearmotor)];
     fields.maybe_choice("board", &kinds).unwrap_or(BoardKind::Analog)
@@ -125,13 +128,17 @@ fn check_board(
         BoardKind::Gearmotor => {
             let fits = channels.len() == MAX_CHANNELS
                 && channels.iter().zip(GEARMOTOR).enumerate().all(|(place, (channel, unit))| {
-                    channel.channel.unit == unit && is_encoder(channel) == (place < ENCODER_CHANNELS)
+                    let is_usual = channel.channel.unit == unit && !channel.is_transducer;
+                    let is_torque = place == GearmotorChannel::SupplyCurrent.index() && channel.is_transducer;
+                    (is_usual || is_torque && channel.channel.unit == Unit::Nm)
+                        && is_encoder(channel) == (place < ENCODER_CHANNELS)
                 });
             if !fits {
                 fields.complain(
                     "a gearmotor board has these channels in this order: angle (rad) and speed (rad/s or rpm) of the motor's encoder, the same of \
                      the output's encoder, each with `counts_per_turn`; current of the motor and of the supply (A), voltage of the supply \
-                     and of the motor (V), each with `volts_per_unit`"
+                     and of the motor (V), each with `volts_per_unit`; a torque transducer (N m) with `counts_per_unit` may be in place of \
+                     the supply's current"
                         .to_owned(),
                 );
             }
@@ -157,8 +164,33 @@ fn read_channel(table: &mut Fields<'_>, board: BoardKind) -> CalibratedChannel {
         BoardKind::Analog => None,
         BoardKind::Gearmotor => table.maybe_number("counts_per_turn", -1e9..=1e9),
     };
-    let volts_per_unit =
-        if counts_per_turn.is_some() { 1.0 } else { table.number("volts_per_unit", -1e6..=1e6) };
+    let counts_per_unit = match board {
+        BoardKind::Gearmotor if counts_per_turn.is_none() => {
+            table.maybe_number("counts_per_unit", -1e12..=1e12)
+        }
+        _ => None,
+    };
+    let is_transducer = counts_per_unit.is_some();
+    let volts_per_unit = match counts_per_unit {
+        Some(counts) => counts,
+        None if counts_per_turn.is_some() => 1.0,
+        None => table.number("volts_per_unit", -1e6..=1e6),
+    };
+    if counts_per_unit.is_some_and(|counts| (counts / si).abs() < LEAST_COUNTS_PER_NM) {
+        table.complain(format!(
+            "`counts_per_unit` is less than {LEAST_COUNTS_PER_NM} per N m; expected counts of 24 bits"
+        ));
+    }
+    let [gain_std, offset_std] = if is_transducer {
+        ["counts_per_unit_std", "offset_counts_std"]
+    } else {
+        ["volts_per_unit_std", "offset_V_std"]
+    };
+    let offset = if is_transducer {
+        table.maybe_number("offset_counts", -8_388_608.0..=8_388_607.0)
+    } else {
+        table.maybe_number("offset_V", -1000.0..=1000.0)
+    };
     if counts_per_turn.is_some_and(|counts| counts.abs() < 1.0) {
         table.complain(
             "`counts_per_turn` is less than 1; expected four times the lines of the encoder".to_owned(),
@@ -170,16 +202,12 @@ fn read_channel(table: &mut Fields<'_>, board: BoardKind) -> CalibratedChannel {
     CalibratedChannel {
         channel: Channel::new(name, unit),
         counts_per_turn,
-        sensor: Sensor {
-            volts_per_unit: volts_per_unit / si,
-            offset_v: table.maybe_number("offset_V", -1000.0..=1000.0).unwrap_or(0.0),
-        },
+        sensor: Sensor { volts_per_unit: volts_per_unit / si, offset_v: offset.unwrap_or(0.0) },
+        is_transducer,
         limit: table.maybe_number("limit", 1e-6 / si..=2000.0 / si).map(|limit| limit * si),
         stuck_s: table.maybe_number("stuck_s", 1e-3..=1000.0),
         missing_below: table.maybe_number("missing_below", 0.0..=2000.0 / si).map(|below| below * si),
-        gain_std: table.maybe_number("volts_per_unit_std", 0.0..=1e6).map(|std| std / volts_per_unit.abs()),
-        offset_std: table
-            .maybe_number("offset_V_std", 0.0..=1000.0)
-            .map(|std| std / volts_per_unit.abs() * si),
+        gain_std: table.maybe_number(gain_std, 0.0..=1e12).map(|std| std / volts_per_unit.abs()),
+        offset_std: table.maybe_number(offset_std, 0.0..=1e7).map(|std| std / volts_per_unit.abs() * si),
     }
 }

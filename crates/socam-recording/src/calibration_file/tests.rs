@@ -2,8 +2,8 @@
 
 use super::Calibration;
 use crate::Channel;
-use socam_core::Config;
 use socam_core::scaling::RAD_S_PER_RPM;
+use socam_core::{ChannelKind, Config, transducer};
 
 #[test]
 fn the_default_file_is_the_default_bench() {
@@ -61,4 +61,25 @@ fn complaints_name_line_key_and_expectation() {
             .contains("no channel in rad/s")
     );
     assert!(complaint("clamp_V = 4.99", "clamp_V = 12").contains("the clamp exceeds the converter"));
+}
+
+#[test]
+fn a_transducer_is_in_place_of_the_supplys_current_and_has_values_of_its_conversions_only() {
+    let text = Calibration::gearmotor_torque_text();
+    let calibration = Calibration::parse(&text).unwrap();
+    let names: Vec<_> = calibration.recorded_channels().iter().map(Channel::column_name).collect();
+    assert_eq!(names[5..], ["motor_current_A", "output_torque_Nm", "supply_V", "motor_voltage_V"]);
+    let config = calibration.config(1000).unwrap();
+    assert!(config.channels[5].kind == ChannelKind::Transducer && config.layout().is_wide(5));
+    let torque = |count: i32| calibration.values(0, &[0, 0, 0, 0, 0, count, 0, 0]).nth(6).unwrap();
+    assert!((torque(2_147_484) - 1.0).abs() < 1e-9);
+    // The board's integers agree, in millionths of a newton metre.
+    assert!((config.channels[5].scale.value_micro(-3_000_000) + 1_396_983).abs() <= 25);
+    for count in [transducer::NO_CONVERSION, transducer::RAILS[0], transducer::RAILS[1]] {
+        assert!(torque(count).is_nan());
+    }
+    let complaint =
+        |from: &str, to: &str| Calibration::parse(&text.replacen(from, to, 1)).unwrap_err().to_string();
+    assert!(complaint("\"N m\"", "\"A\"").contains("a torque transducer (N m) with `counts_per_unit`"));
+    assert!(complaint("= 2147484 ", "= 20 ").contains("less than 100 per N m"));
 }

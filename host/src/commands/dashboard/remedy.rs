@@ -35,6 +35,7 @@ pub(super) fn fault_line(fault: &Fault, calibration: &Calibration) -> String {
         | Fault::ImageDamaged
         | Fault::EncoderSilent { .. }
         | Fault::EncoderReversed { .. }
+        | Fault::TransducerSilent { .. }
         | Fault::ClockOff => return format!("{cause}; then clear the fault"),
     };
     format!("{cause}: {remedy}, then clear the fault")
