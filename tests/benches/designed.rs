@@ -5,11 +5,10 @@
 //! `cargo bench -p socam-tests --bench designed -- --benches 20` prints the table.
 
 use clap::Parser;
-use socam_core::Command;
 use socam_design::{Limits, Rig, sharpest};
 use socam_identify::{Identification, Options, Problem, Source, output_error};
 use socam_model::Model;
-use socam_recording::{Calibration, Dataset, ProfileFile, Waveform};
+use socam_recording::{Calibration, Dataset, ProfileCommand, ProfileFile, Waveform};
 use socam_sim::{Override, Setup, SimError, Truth};
 use socam_tests::Draw;
 
@@ -85,7 +84,7 @@ fn bench(args: &Args, number: u64) -> Result<Option<Outcome>, String> {
     let dwell_s = args.duration / 5.0;
     let steps = ProfileFile {
         purpose: None,
-        command: Command::Voltage,
+        command: ProfileCommand::Voltage,
         waveform: Waveform::Staircase { first: FIRST_V, step: STEP_V, count: 5, dwell_s, and_back: false },
         ramp_s: 0.0,
         limit: LIMIT_V,

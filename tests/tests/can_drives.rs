@@ -16,6 +16,9 @@ use socam_tests::{Ending, Ran, path, record, run, socam_host};
 /// A sine that reaches 10 rad/s, for 3 s.
 const PROFILE: &str = "schema = \"socam.profile/1\"\ncommand = \"speed\"\nshape = \"sine\"\namplitude_rad_s = 10\nfrequency_Hz = 1\n\
     ramp_s = 0.5\nlimit_rad_s = 12\nslew_rad_s2 = 200\nduration_s = 3\n";
+/// A torque that reaches 0.06 N m.
+const TORQUES: &str = "schema = \"socam.profile/1\"\ncommand = \"torque\"\nshape = \"sine\"\namplitude_Nm = 0.06\nfrequency_Hz = 4\n\
+    ramp_s = 0.5\nlimit_Nm = 0.08\nslew_Nm_s = 10\nduration_s = 3\n";
 const LIMITS: [&str; 4] = ["--limit", "15rad/s", "--limit", "5A"];
 const OBJECTS: &str = "schema = \"socam.canopen/1\"\n[channels.speed]\nsignal = \"606C:00 i32\"\nunit = \"rpm\"\nscale = 0.1\n\
     [channels.torque]\nsignal = \"6077:00 i16\"\nunit = \"N m\"\nscale = 0.002\n\
@@ -107,27 +110,32 @@ fn an_odrive_on_a_bus_follows_a_profile_once_it_is_armed() {
 /// The promise of the watchdog: without its host the drive is idle in time.
 #[test]
 fn an_odrive_on_a_bus_whose_host_is_killed_is_idle_after_its_watchdogs_time() {
-    Bench::with(odrive(), |bench| {
-        let (log, profile) = (bench.path("run.mcap"), bench.path("profile.toml"));
-        let device = format!("odrive+{}&node=3", bench.adapter);
-        let mut command = socam_host();
-        command
-            .args(["record", "-o", &log, "--device", &device, "--profile", &profile, "--arm"])
-            .args(LIMITS);
-        let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        let until = |most_s: f64, is_so: &dyn Fn(&OdriveCanSimulator) -> bool| {
-            let begin = Instant::now();
-            while !is_so(&bench.bus.lock().unwrap().node) {
-                assert!(begin.elapsed().as_secs_f64() < most_s, "{:?}", bench.bus.lock().unwrap().node);
-                std::thread::sleep(Duration::from_millis(1));
-            }
-        };
-        until(20.0, &|node| node.motor.speed_rad_s > 5.0);
-        child.kill().unwrap();
-        // The watchdog of 0.2 s, and what a busy computer takes to see it.
-        until(0.4, &|node| node.state == 1 && node.error == 0x100_0000);
-        child.wait().unwrap();
-    });
+    for profile in [PROFILE, TORQUES] {
+        Bench::with(odrive(), |bench| killed(bench, profile));
+    }
+}
+
+fn killed(bench: &Bench<OdriveCanSimulator>, profile: &str) {
+    std::fs::write(bench.path("profile.toml"), profile).unwrap();
+    let (log, profile) = (bench.path("run.mcap"), bench.path("profile.toml"));
+    let device = format!("odrive+{}&node=3", bench.adapter);
+    let mut command = socam_host();
+    command.args(["record", "-o", &log, "--device", &device, "--profile", &profile, "--arm"]).args(LIMITS);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let until = |most_s: f64, is_so: &dyn Fn(&OdriveCanSimulator) -> bool| {
+        let begin = Instant::now();
+        while !is_so(&bench.bus.lock().unwrap().node) {
+            assert!(begin.elapsed().as_secs_f64() < most_s, "{:?}", bench.bus.lock().unwrap().node);
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    };
+    until(20.0, &|node| node.motor.speed_rad_s > 3.0);
+    child.kill().unwrap();
+    // The watchdog of 0.2 s, and what a busy computer takes to see it.
+    until(0.4, &|node| node.state == 1 && node.error == 0x100_0000);
+    // Without a torque it coasts.
+    until(0.05, &|node| node.motor.torque_nm == 0.0);
+    child.wait().unwrap();
 }
 
 #[test]

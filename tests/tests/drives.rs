@@ -16,6 +16,11 @@ use socam_tests::{Ending, Ran, path, run, socam_host};
 /// A sine that reaches 10 rad/s, for 6 s.
 const PROFILE: &str = "schema = \"socam.profile/1\"\ncommand = \"speed\"\nshape = \"sine\"\namplitude_rad_s = 10\nfrequency_Hz = 1\n\
     ramp_s = 0.5\nlimit_rad_s = 12\nslew_rad_s2 = 200\nduration_s = 6\n";
+/// A torque whose sine reaches 0.04 N m at 4 Hz, and one that is as large and constant, for 6 s.
+const TORQUES: &str = "schema = \"socam.profile/1\"\ncommand = \"torque\"\nshape = \"sine\"\namplitude_Nm = 0.04\nfrequency_Hz = 4\n\
+    ramp_s = 0.5\nlimit_Nm = 0.05\nslew_Nm_s = 5\nduration_s = 6\n";
+const CONSTANT: &str = "schema = \"socam.profile/1\"\ncommand = \"torque\"\nshape = \"constant\"\nlevel_Nm = 0.04\n\
+    ramp_s = 0.5\nlimit_Nm = 0.05\nslew_Nm_s = 5\nduration_s = 6\n";
 const LIMITS: [&str; 4] = ["--limit", "15rad/s", "--limit", "0.5Nm"];
 const MODEL: &str = "schema = \"socam.model/1\"\nname = \"rotor\"\nmotion = \"rotation\"\n[parameters]\n\
     J = { value = 10, unit = \"kg cm2\", bounds = [0.1, 100] }\nc = { value = 1e-3, unit = \"N m s/rad\", bounds = [0, 0.1] }\n\
@@ -95,12 +100,20 @@ impl Bench {
         own.iter().chain(more).map(|text| (*text).to_owned()).collect()
     }
 
+    fn follows(&self, profile: &str) {
+        std::fs::write(self.path("profile.toml"), profile).unwrap();
+    }
+
     /// Starts the recorder, armed, and waits until the motor is fast.
     fn moving(&self) -> Child {
+        self.faster_than(5.0)
+    }
+
+    fn faster_than(&self, speed_rad_s: f64) -> Child {
         let mut command = socam_host();
         command.args(self.arguments(&LIMITS)).arg("--arm").stdout(Stdio::piped()).stderr(Stdio::piped());
         let child = command.spawn().unwrap();
-        self.until(20.0, |drive| drive.motor.speed_rad_s.abs() > 5.0);
+        self.until(20.0, |drive| drive.motor.speed_rad_s.abs() > speed_rad_s);
         child
     }
 
@@ -266,4 +279,80 @@ fn an_operator_fades_the_profile_and_stops_the_drive() {
         assert!(ran.code == Some(0) && ran.stdout.contains("stopped by the operator"), "{ran:?}");
         assert!(bench.drive.lock().unwrap().motor.speed_rad_s.abs() < 1.0);
     });
+}
+
+/// Torques arrive as they were asked for, with the drive's own gains at 0, and the rotor's inertia follows from them.
+#[test]
+fn a_moteus_follows_torques_and_its_recording_gives_its_inertia() {
+    Bench::with(|bench| {
+        bench.follows(TORQUES);
+        let arguments = bench.arguments(&["--limit", "15rad/s", "--limit", "0.03Nm", "--arm"]);
+        let refused = run(arguments.iter().map(String::as_str));
+        assert!(refused.refusal(2).contains("reaches 0.04 N m, beyond the limit of 0.03 N m"), "{refused:?}");
+        assert!(bench.arrived.lock().unwrap().is_empty());
+        let arguments = bench.arguments(&LIMITS);
+        let ran = run(arguments.iter().map(String::as_str).chain(["--arm", "--json", "--rate", "500"]));
+        assert!(ran.code == Some(0) && ran.stdout.contains("\"end\": \"finished\""), "{ran:?}");
+        assert!(
+            ran.stderr.contains("up to 0.04 N m") && ran.stderr.contains("`servo.max_velocity`"),
+            "{ran:?}"
+        );
+        assert_eq!(bench.drive.lock().unwrap().mode, 0);
+        let data = bench.recorded().load(&["command", "torque"]).unwrap();
+        let [command, torque] = [0, 1].map(|column: usize| data.columns[column].values());
+        // A torque is measured as the next command arrives.
+        let far = command.iter().zip(&torque[1..]).filter(|(sent, is)| (*sent - *is).abs() > 5e-3).count();
+        assert!(
+            command.iter().any(|value| *value > 0.039) && far * 20 < command.len(),
+            "{far} of {}",
+            command.len()
+        );
+
+        let model = bench.path("model.toml");
+        std::fs::write(&model, MODEL).unwrap();
+        let fitted = run(["identify", &bench.path("run.mcap"), "--model", &model, "--json"]).json();
+        let parameters = fitted["parameters"].as_array().unwrap();
+        let inertia = parameters.iter().find(|one| one["name"] == "J").unwrap()["value"].as_f64().unwrap();
+        assert!((3.3e-4..4.4e-4).contains(&inertia), "{parameters:?}");
+    });
+}
+
+/// Nothing in the simulated drive limits its speed under a torque: this program does.
+#[test]
+fn a_torque_that_makes_its_motor_too_fast_ends_the_run() {
+    Bench::with(|bench| {
+        bench.follows(CONSTANT);
+        let child = bench.moving();
+        let mut fastest = 0.0_f64;
+        bench.until(5.0, |drive| {
+            fastest = fastest.max(drive.motor.speed_rad_s);
+            drive.mode == 0
+        });
+        let ran = ended(child);
+        assert!(ran.code == Some(1) && ran.stderr.contains("beyond the limit of 15 rad/s"), "{ran:?}");
+        // 75 rad/s2 for 0.1 s on a busy computer.
+        assert!((14.0..22.5).contains(&fastest), "{fastest}");
+        assert!(bench.recorded().rows() > 50);
+    });
+}
+
+/// The promise of the watchdog of torques: 0.1 s without a host, then the drive brakes.
+#[test]
+fn a_torque_ends_where_its_host_is_killed_or_its_cable_pulled() {
+    for is_killed in [true, false] {
+        Bench::with(|bench| {
+            bench.follows(TORQUES);
+            let mut child = bench.faster_than(1.0);
+            std::thread::sleep(Duration::from_millis(1200));
+            if is_killed {
+                child.kill().unwrap();
+            } else {
+                bench.is_cut.store(true, Ordering::Relaxed);
+            }
+            bench.until(0.1 + 0.1, |drive| drive.mode == 11);
+            bench.is_at_rest_within(0.4);
+            let ran = ended(child);
+            assert!(is_killed || ran.code == Some(1), "{ran:?}");
+        });
+    }
 }

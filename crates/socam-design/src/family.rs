@@ -1,7 +1,7 @@
 //! Families of profiles, and their neighbours.
 
-use socam_core::{Command, Lines};
-use socam_recording::{ProfileFile, Waveform};
+use socam_core::Lines;
+use socam_recording::{ProfileCommand, ProfileFile, Waveform};
 
 use crate::Limits;
 
@@ -113,7 +113,7 @@ fn profile(limits: &Limits, waveform: Waveform) -> ProfileFile {
         if matches!(waveform, Waveform::Staircase { .. }) { 0.0 } else { (0.1 * limits.duration_s).min(0.5) };
     ProfileFile {
         purpose: None,
-        command: Command::Voltage,
+        command: ProfileCommand::Voltage,
         waveform: filled(waveform, limits).unwrap_or(waveform),
         ramp_s,
         limit: limits.voltage,

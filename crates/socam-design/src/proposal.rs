@@ -64,7 +64,7 @@ pub fn five_steps(limits: &Limits) -> ProfileFile {
     let dwell_s = (limits.duration_s / 5.0 * 1e3).floor() * 1e-3;
     ProfileFile {
         purpose: None,
-        command: socam_core::Command::Voltage,
+        command: socam_recording::ProfileCommand::Voltage,
         waveform: Waveform::Staircase {
             first,
             step: 0.25 * (0.98 * highest - first),

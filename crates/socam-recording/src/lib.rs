@@ -83,7 +83,7 @@ pub use log::recover::{Recovered, recover};
 pub use log::sample::{Event, SampleRow, Status};
 pub use log::writer::RecordingHeader;
 pub use output_file::OutputFile;
-pub use profile_file::{ProfileFile, Waveform};
+pub use profile_file::{ProfileCommand, ProfileFile, Waveform};
 pub use run_names::expand;
 pub use segments::{GAP_STEPS, Segment};
 pub use selection::{Selection, Span, named_part, without_part};

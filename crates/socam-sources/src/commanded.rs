@@ -8,7 +8,7 @@ use socam_units::Unit;
 
 use crate::asking::UNASKED;
 use crate::device::{Chunk, Device, Heard, Numbering, Row};
-use crate::drive::{Drive, Limits, Order, Readiness, Standing};
+use crate::drive::{Commands, Drive, Limits, Order, Readiness, Standing};
 use crate::error::Result;
 use supervisor::Supervisor;
 
@@ -40,10 +40,10 @@ pub struct Commanded {
     supervisor: Supervisor,
     profile: Generator,
     period_ns: i64,
-    /// Present value of the profile, rad/s.
-    value_rad_s: f64,
+    /// Present value of the profile, rad/s or N m.
+    value: f64,
     phase: Phase,
-    /// Command that left last, rad/s, and when, ns.
+    /// Command that left last, rad/s or N m, and when, ns.
     sent: (f64, i64),
     /// Arrival of the last answer, ns, and since when the drive is at rest.
     answered_ns: Option<i64>,
@@ -71,14 +71,15 @@ impl Commanded {
     ) -> std::result::Result<Self, ProfileError> {
         drive.limit(limits);
         let mut channels = drive.channels().to_vec();
-        channels.push(Channel::new("command", Unit::RadPerS));
+        let unit = if limits.commands == Commands::Speeds { Unit::RadPerS } else { Unit::Nm };
+        channels.push(Channel::new("command", unit));
         Ok(Self {
             channels,
             supervisor: Supervisor::new(drive.watched(), limits),
             drive,
             profile: Generator::new(profile, period_us)?,
             period_ns: i64::from(period_us) * 1000,
-            value_rad_s: 0.0,
+            value: 0.0,
             phase: Phase::Waiting { since_ns: 0 },
             sent: (0.0, 0),
             answered_ns: None,
@@ -102,13 +103,14 @@ impl Commanded {
     pub fn channel_limits(&self) -> Vec<Option<f64>> {
         let (watched, limits) = (self.drive.watched(), self.supervisor.limits);
         let mut all = vec![None; self.channels.len()];
-        let command = self.channels.len() - 1;
-        for (channel, limit) in [
-            (watched.speed, limits.speed_rad_s),
-            (watched.effort, limits.effort),
-            (command, limits.speed_rad_s),
-        ] {
-            all[channel] = Some(limit);
+        (all[watched.speed], all[watched.effort]) = (Some(limits.speed_rad_s), Some(limits.effort));
+        let is_limit_of_torque = self.channels[watched.effort].unit == Unit::Nm;
+        let of_command = match limits.commands {
+            Commands::Speeds => Some(limits.speed_rad_s),
+            Commands::Torques => Some(limits.effort).filter(|_| is_limit_of_torque),
+        };
+        if let Some(command) = all.last_mut() {
+            *command = of_command;
         }
         all
     }
@@ -192,14 +194,17 @@ impl Commanded {
         while steps < due {
             let setpoint = self.profile.step();
             steps += 1;
-            self.value_rad_s = f64::from(setpoint.value_micro) * 1e-6;
+            self.value = f64::from(setpoint.value_micro) * 1e-6;
             if setpoint.finished {
                 self.stop(now_ns, None);
                 return Order::Stop;
             }
         }
         self.phase = Phase::Driving { begin_ns, steps };
-        Order::Speed(self.value_rad_s)
+        match self.supervisor.limits.commands {
+            Commands::Speeds => Order::Speed(self.value),
+            Commands::Torques => Order::Torque(self.value),
+        }
     }
 
     /// Compares an answer with what the drive should do; returns a reason to stop.
@@ -248,8 +253,8 @@ impl Commanded {
 
     /// The row with its command, at the time at which the command left.
     fn with_command(&self, mut row: Row) -> Row {
-        let (command_rad_s, sent_ns) = self.sent;
-        row.values.push(command_rad_s);
+        let (command, sent_ns) = self.sent;
+        row.values.push(command);
         row.spread_ns = row.spread_ns.max(row.arrival_ns - sent_ns);
         row.arrival_ns = sent_ns.min(row.arrival_ns);
         row
@@ -312,7 +317,8 @@ impl Device for Commanded {
         let before = out.len();
         let next_ns = self.drive.poll(now_ns, out)?;
         if out.len() > before {
-            self.sent = (if let Order::Speed(value) = order { value } else { 0.0 }, now_ns);
+            self.sent =
+                (if let Order::Speed(value) | Order::Torque(value) = order { value } else { 0.0 }, now_ns);
         }
         Ok(next_ns)
     }

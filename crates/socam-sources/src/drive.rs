@@ -11,10 +11,21 @@ pub enum Order {
     Prepare,
     /// A speed, rad/s.
     Speed(f64),
+    /// A torque, N m.
+    Torque(f64),
     /// The motor is switched off.
     Stop,
     /// Settings that [`Order::Prepare`] changed become what they were.
     Release,
+}
+
+/// What a run commands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Commands {
+    /// Speeds, rad/s.
+    Speeds,
+    /// Torques, N m.
+    Torques,
 }
 
 /// Limits of a run, of which a drive is told those that it can keep itself.
@@ -24,7 +35,9 @@ pub struct Limits {
     pub speed_rad_s: f64,
     /// Largest torque in N m or current in A, as [`Watched::effort`] is.
     pub effort: f64,
-    /// Largest acceleration that is commanded, rad/s2.
+    /// What is commanded within these limits.
+    pub commands: Commands,
+    /// Largest acceleration that is commanded, rad/s2, where speeds are.
     pub acceleration_rad_s2: f64,
     /// Time without a command after which the drive stops by itself, s.
     pub watchdog_s: f64,

@@ -49,7 +49,7 @@ pub use aligner::{Aligner, Kind};
 pub use commanded::Commanded;
 pub use description::{ClockColumn, Description, SCHEMA};
 pub use device::{Chunk, Device, Heard, Numbering, Row};
-pub use drive::{Drive, Limits, Order, Readiness, Standing, Watched};
+pub use drive::{Commands, Drive, Limits, Order, Readiness, Standing, Watched};
 pub use error::{Result, SourceError};
 pub use servos::Servos;
 pub use timeline::{ClockMap, Counts, Placed, Timeline};

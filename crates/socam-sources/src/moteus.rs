@@ -14,7 +14,7 @@ use socam_units::Unit;
 use crate::ZERO_CELSIUS_K;
 use crate::asking::Asking;
 use crate::device::{Chunk, Device, Heard, Numbering};
-use crate::drive::{Drive, Limits, Order, Readiness, Standing, Watched};
+use crate::drive::{Commands, Drive, Limits, Order, Readiness, Standing, Watched};
 use crate::error::Result;
 use crate::text::lines::Lines;
 use orders::{fault_name, line, mode_name};
@@ -147,24 +147,32 @@ impl Drive for Moteus {
 
     fn promises(&self) -> [Vec<String>; 2] {
         let Some(limits) = self.limits else { return [Vec::new(), Vec::new()] };
-        [
-            vec![
-                format!("Each command holds a largest torque of {} N m.", limits.effort),
+        let mut kept = vec![format!("Each command holds a largest torque of {} N m.", limits.effort)];
+        let mut not_promised = Vec::new();
+        match limits.commands {
+            Commands::Speeds => kept.push(format!(
+                "Each command holds a largest speed of {} rad/s for what is aimed at, and a largest acceleration of {} rad/s2.",
+                limits.speed_rad_s, limits.acceleration_rad_s2
+            )),
+            Commands::Torques => not_promised.extend([
                 format!(
-                    "Each command holds a largest speed of {} rad/s for what is aimed at, and a largest acceleration of {} rad/s2.",
-                    limits.speed_rad_s, limits.acceleration_rad_s2
+                    "Under a torque the drive limits its speed by its setting `servo.max_velocity` alone, which is not read here and is far above most limits by default: this computer stops it where it states more than {} rad/s, and without this computer it turns faster until its watchdog acts, by up to the largest torque times {} s over the inertia.",
+                    limits.speed_rad_s, limits.watchdog_s
                 ),
-                format!(
-                    "Each command holds a watchdog: the drive leaves its position mode {} s after the last command that it got.",
-                    limits.watchdog_s
-                ),
-            ],
-            vec![
+                "A drive whose `servo.pid_position.ilimit` is not 0, its default, adds a torque of its own, within the largest torque.".into(),
+            ]),
+        }
+        kept.push(format!(
+            "Each command holds a watchdog: the drive leaves its position mode {} s after the last command that it got.",
+            limits.watchdog_s
+        ));
+        not_promised.extend([
+
                 "What it does then is its setting `servo.timeout_mode`, by default braking with up to `servo.timeout_max_torque_Nm`, 5 N m by default; it cannot be read here.".into(),
                 "It does not limit the speed that a load drives it to: this computer ends the run when a speed beyond the limit is measured.".into(),
                 "When the run ends the motor is switched off: it coasts, and a weight falls.".into(),
-            ],
-        ]
+        ]);
+        [kept, not_promised]
     }
 }
 

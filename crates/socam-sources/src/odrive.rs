@@ -36,7 +36,7 @@ pub struct Odrive {
     /// Present order, and the state of the axis where it was asked for.
     order: Order,
     state: Option<f64>,
-    /// Whether a speed has left already.
+    /// Whether a speed or torque has left already.
     is_begun: bool,
     /// Settings of a run that commands it.
     settings: Option<Settings>,
@@ -116,6 +116,12 @@ impl Odrive {
         self.settings.as_ref().map_or_else(Vec::new, |settings| settings.asked(self.axis, self.generation))
     }
 
+    /// The command is set before the axis obeys, which is requested once: an axis that switches itself off stays off.
+    fn request(&self) -> String {
+        let axis = self.axis;
+        if self.is_begun { String::new() } else { format!("w axis{axis}.requested_state {CLOSED_LOOP}\n") }
+    }
+
     fn row(&mut self) -> Result<Vec<f64>, &'static str> {
         let answers = std::mem::take(&mut self.answers);
         let [Answer::Pair(turns, turns_s), current, voltage, error, more @ ..] = &answers[..] else {
@@ -159,18 +165,17 @@ impl Drive for Odrive {
         let axis = self.axis;
         let mut lines = match (order, &self.settings) {
             (Order::Speed(speed_rad_s), Some(_)) => {
-                // The speed is set before the axis obeys, which is requested once: an axis that switches itself off stays off.
-                let state = if self.is_begun {
-                    String::new()
-                } else {
-                    format!("w axis{axis}.requested_state {CLOSED_LOOP}\n")
-                };
-                format!("v {axis} {:.6} 0\nu {axis}\n{state}", speed_rad_s / TAU)
+                format!("v {axis} {:.6} 0\nu {axis}\n{}", speed_rad_s / TAU, self.request())
+            }
+            (Order::Torque(torque_nm), Some(_)) => {
+                format!("c {axis} {torque_nm:.6}\nu {axis}\n{}", self.request())
             }
             (Order::Stop, _) => format!("w axis{axis}.requested_state {IDLE}\n"),
             (Order::Prepare, Some(settings)) => settings.writes(axis, self.generation),
             (Order::Release, Some(settings)) => settings.undo(axis, self.generation),
-            (Order::Ask | Order::Speed(_) | Order::Prepare | Order::Release, _) => String::new(),
+            (Order::Ask | Order::Speed(_) | Order::Torque(_) | Order::Prepare | Order::Release, _) => {
+                String::new()
+            }
         };
         let [current, error] = [self.generation.current(), self.generation.error()];
         lines.push_str(&format!("f {axis}\nr axis{axis}.{current}\nr vbus_voltage\nr axis{axis}.{error}\n"));
@@ -251,7 +256,7 @@ impl Device for Odrive {
         let next_ns = self.asking.poll(now_ns, &self.question, out);
         if out.len() > was_asked {
             self.answers.clear();
-            self.is_begun |= matches!(self.order, Order::Speed(_));
+            self.is_begun |= matches!(self.order, Order::Speed(_) | Order::Torque(_));
         }
         Ok(Some(next_ns))
     }

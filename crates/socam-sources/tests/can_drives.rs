@@ -10,7 +10,7 @@ use socam_sources::can::{Access, opening};
 use socam_sources::simulators::{
     BusSimulator, CanopenSimulator, Firmware, Inertia, Mishap, Motor, Node, OdriveCanSimulator,
 };
-use socam_sources::{Chunk, Commanded, Device, Heard, Limits, Row};
+use socam_sources::{Chunk, Commanded, Commands, Device, Heard, Limits, Row};
 
 const PERIOD_US: u32 = 2000;
 const WATCHDOG_S: f64 = 0.25;
@@ -36,9 +36,30 @@ fn commanded() -> Commanded {
         slew_micro_s: 200_000_000,
         duration_us: 2_000_000,
     };
-    let limits =
-        Limits { speed_rad_s: 15.0, effort: 5.0, acceleration_rad_s2: 200.0, watchdog_s: WATCHDOG_S };
-    Commanded::new(Box::new(odrive(3)), &profile, PERIOD_US, limits).unwrap()
+    Commanded::new(Box::new(odrive(3)), &profile, PERIOD_US, limits(Commands::Speeds)).unwrap()
+}
+
+fn limits(commands: Commands) -> Limits {
+    Limits { speed_rad_s: 15.0, effort: 5.0, commands, acceleration_rad_s2: 200.0, watchdog_s: WATCHDOG_S }
+}
+
+/// A constant torque, N m, or a sine of it at 4 Hz.
+fn torques(amplitude_nm: f64, is_constant: bool) -> Commanded {
+    let amplitude_micro = (amplitude_nm * 1e6) as i32;
+    let shape = if is_constant {
+        Shape::Constant { level_micro: amplitude_micro }
+    } else {
+        Shape::Sine { offset_micro: 0, amplitude_micro, frequency_uhz: 4_000_000, periods: None }
+    };
+    let profile = Profile {
+        command: Command::Voltage,
+        shape,
+        ramp_us: 200_000,
+        limit_micro: 400_000,
+        slew_micro_s: 40_000_000,
+        duration_us: 2_000_000,
+    };
+    Commanded::new(Box::new(odrive(3)), &profile, PERIOD_US, limits(Commands::Torques)).unwrap()
 }
 
 /// What happened to a run.
@@ -191,6 +212,49 @@ fn an_odrive_whose_host_is_gone_is_idle_after_its_watchdogs_time() {
     assert_eq!(bus.node.state, 8);
     bus.node.advance(ran.end_s + 0.21);
     assert_eq!((bus.node.state, bus.node.error), (1, 0x800));
+}
+
+/// The limit of speed is the drive's own where it has one for torques, and this program's in any case.
+#[test]
+fn an_odrive_follows_torques_and_is_stopped_where_it_does_not_limit_its_speed() {
+    let (mut device, mut bus) = (torques(0.04, false), simulated(Firmware::Late));
+    let ran = run(&mut device, 8.0, &mut bus, |_, _| {});
+    assert!(ran.heard.contains(&Heard::End { reason: None, by_operator: false }), "{}", ran.reason());
+    let rows = ran.rows();
+    // A current by 0.1 N m/A, measured as the command arrives.
+    let worst =
+        rows.windows(2).map(|pair| (0.1 * pair[1].values[2] - pair[0].values[8]).abs()).fold(0.0, f64::max);
+    let top = rows.iter().map(|row| row.values[1].abs()).fold(0.0, f64::max);
+    assert!(worst < 0.01 && (1.0..15.0).contains(&top), "{worst} {top}");
+    assert_eq!(device.channels().last().unwrap().column_name(), "command_Nm");
+    for is_torque_limited in [true, false] {
+        let (mut device, mut bus) = (torques(0.1, true), simulated(Firmware::Late));
+        bus.node.is_torque_limited = is_torque_limited;
+        let mut fastest = 0_f64;
+        let ran = run(&mut device, 8.0, &mut bus, |_, node| fastest = fastest.max(node.motor.speed_rad_s));
+        if is_torque_limited {
+            assert!(ran.reason.is_none() && (10.0..15.0).contains(&fastest), "{} {fastest}", ran.reason());
+        } else {
+            // Two periods of 0.1 N m on 4e-4 kg m2 beyond the limit.
+            assert!(
+                ran.reason().contains("beyond the limit of 15 rad/s") && fastest < 16.0,
+                "{} {fastest}",
+                ran.reason()
+            );
+        }
+        assert_eq!((bus.node.state, bus.node.error), (1, 0));
+    }
+}
+
+/// A host that is gone leaves a motor without torque after the watchdog's time.
+#[test]
+fn an_odrive_with_a_torque_is_idle_after_its_watchdogs_time() {
+    let (mut device, mut bus) = (torques(0.04, false), simulated(Firmware::Late));
+    let ran = run(&mut device, 1.6, &mut bus, |_, _| {});
+    assert!(bus.node.state == 8 && bus.node.motor.torque_nm != 0.0);
+    bus.node.advance(ran.end_s + 0.21);
+    bus.node.advance(ran.end_s + 0.22);
+    assert_eq!((bus.node.state, bus.node.motor.torque_nm), (1, 0.0));
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! The input signal: a sine or a constant within the limits of the thesis' program, or any other profile.
 
-use socam_core::Command;
-use socam_recording::{ProfileFile, Waveform};
+use socam_recording::{ProfileCommand, ProfileFile, Waveform};
 
 /// Amplitudes of the sine, V.
 pub const AMPLITUDE_V: [f64; 2] = [0.2, 2.3];
@@ -120,7 +119,7 @@ impl Settings {
         };
         ProfileFile {
             purpose: None,
-            command: Command::Voltage,
+            command: ProfileCommand::Voltage,
             waveform,
             ramp_s: 0.25,
             limit: LIMIT_V,
@@ -233,13 +232,13 @@ impl Signal {
             Settings { duration_s: file.duration_s, chosen_duration_s: None, ..self.settings.clone() };
         settings.kind = match file.waveform {
             Waveform::Sine { offset, amplitude, frequency_hz, periods: None }
-                if file.command == Command::Voltage =>
+                if file.command == ProfileCommand::Voltage =>
             {
                 (settings.offset_v, settings.amplitude_v, settings.frequency_hz) =
                     (offset, amplitude, frequency_hz);
                 SignalShape::Sine
             }
-            Waveform::Constant { level } if file.command == Command::Voltage => {
+            Waveform::Constant { level } if file.command == ProfileCommand::Voltage => {
                 settings.level_v = level;
                 SignalShape::Constant
             }
@@ -314,7 +313,7 @@ pub type Preview = Result<Vec<[f64; 2]>, String>;
 /// When a board would refuse the profile; one sentence.
 pub fn preview(file: &ProfileFile, points: usize) -> Preview {
     const PERIOD_US: u32 = 1000;
-    let profile = file.profile(PERIOD_US).map_err(|error| error.to_string())?;
+    let profile = file.sampled(PERIOD_US).map_err(|error| error.to_string())?;
     let mut generator = socam_core::Generator::new(&profile, PERIOD_US).map_err(|error| error.to_string())?;
     let ticks = ((file.duration_s + file.ramp_s) * 1e6 / f64::from(PERIOD_US)) as usize;
     let block = ticks.div_ceil(points.max(1)).max(1);

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use socam_model::Model;
-use socam_recording::{Channel, ProfileFile};
+use socam_recording::{Channel, ProfileCommand, ProfileFile};
 
 use crate::connection::Connection;
 use crate::device::{Stated, Wanted};
@@ -261,15 +261,18 @@ impl Workspace {
     /// # Errors
     /// When a board would refuse it; one sentence.
     pub fn take_signal(&mut self, file: &ProfileFile) -> Result<(), String> {
-        let is_speed = file.command != socam_core::Command::Voltage;
+        let is_for_drives = file.command != ProfileCommand::Voltage;
         let is_drive = self.bench.offer().is_some();
-        if is_drive && !is_speed {
-            return Err("that signal is in volts, and a drive takes speeds: disconnect it first".into());
+        if is_drive && !is_for_drives {
+            return Err(
+                "that signal is in volts, and a drive takes speeds or torques: disconnect it first".into()
+            );
         }
-        if is_speed {
+        if is_for_drives {
             self.drive.signal.take(file)?;
         }
-        if is_drive { Ok(()) } else { self.signal.take(file) }
+        // A torque is for drives alone.
+        if is_drive || file.command == ProfileCommand::Torque { Ok(()) } else { self.signal.take(file) }
     }
 
     /// Loads the input signal; all limits are watched then, and nothing moves.

@@ -1,8 +1,8 @@
 //! What a random bench is: drawn from the seed and its number alone.
 
-use socam_core::{Command, scaling::MotorCalibration};
+use socam_core::scaling::MotorCalibration;
 use socam_model::Model;
-use socam_recording::{ProfileFile, Waveform};
+use socam_recording::{ProfileCommand, ProfileFile, Waveform};
 use socam_tests::Draw;
 
 /// The kind of bench.
@@ -229,7 +229,7 @@ fn command_speed(profile: &mut ProfileFile) {
     let motor = MotorCalibration::LOADED;
     let speed = |volts: f64| motor.speed_rad_s(volts);
     let per_volt = speed(1.0) - speed(0.0);
-    profile.command = Command::SpeedClosedLoop;
+    profile.command = ProfileCommand::SpeedClosedLoop;
     profile.limit = speed(profile.limit);
     // What a profile may ask for at most.
     profile.slew = (profile.slew * per_volt).min(4000.0);

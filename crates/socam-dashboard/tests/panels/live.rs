@@ -184,13 +184,13 @@ fn a_drive_is_armed_within_its_limits_and_stopped_by_every_stop() {
     assert_eq!(texts(&window, "it coasts, and a weight falls"), 1);
     assert!(window.get_by_label("Arm").accesskit_node().is_disabled(), "no limit is set");
     window.state_mut().workspace.drive.set_speed(30.0);
-    window.state_mut().workspace.drive.torque_nm = 0.5;
+    window.state_mut().workspace.drive.set_effort(socam_workbench::device::Effort::Torque, 0.5);
     window.run_steps(3);
     click(&mut window, "Arm");
     let Some(Order::Arm(plan)) = bench.orders.try_iter().last() else { panic!() };
     let limits = plan.limits.unwrap();
     assert_eq!((limits.speed_rad_s, limits.effort), (30.0, 0.5));
-    assert!(plan.signal.command != socam_core::Command::Voltage && plan.signal.limit <= 30.0);
+    assert!(plan.signal.command != socam_recording::ProfileCommand::Voltage && plan.signal.limit <= 30.0);
     for (state, stops) in [(State::Idle, 0), (State::Armed, 2), (State::Running, 2), (State::Stopping, 2)] {
         for view in ["Live", "Time", "Diagnosis"] {
             click(&mut window, view);

@@ -1,18 +1,20 @@
 //! Command profiles as TOML: in physical units with the unit in the key, converted to the core's integers.
 
+mod command;
 mod waveform;
 
 use std::fmt::Write as _;
 use std::path::Path;
 
 use socam_core::scaling::micro;
-use socam_core::{Command, Generator, Profile, ProfileError};
+use socam_core::{Generator, Profile, ProfileError};
 
 use crate::settings::{self, Fields, SettingsError};
+pub use command::ProfileCommand;
 pub use waveform::Waveform;
 use waveform::{LARGEST, LONGEST_S, SHORTEST_S, read_waveform, us, word, write_waveform};
 
-/// A profile in physical units. Levels, amplitudes and [`Self::limit`] are in V, or in rad/s of the motor shaft, as
+/// A profile in physical units. Levels, amplitudes and [`Self::limit`] are in V, in rad/s of the motor shaft, or in N m, as
 /// [`Self::command`] says.
 ///
 /// ```
@@ -32,14 +34,14 @@ pub struct ProfileFile {
     /// Purpose of the profile, in one sentence.
     pub purpose: Option<String>,
     /// Quantity that is commanded.
-    pub command: Command,
+    pub command: ProfileCommand,
     /// The command over time.
     pub waveform: Waveform,
     /// Time to fade in and out, s.
     pub ramp_s: f64,
-    /// Largest magnitude, in V or rad/s.
+    /// Largest magnitude, in V, rad/s or N m.
     pub limit: f64,
-    /// Largest rate of change, in V/s or rad/s2.
+    /// Largest rate of change, in V/s, rad/s2 or N m/s.
     pub slew: f64,
     /// Time until it ends by itself, s.
     pub duration_s: f64,
@@ -60,9 +62,14 @@ const BUILT_IN: [(&str, &str); 8] = [
 
 const SCHEMA: &str = "socam.profile/1";
 
-const COMMANDS: [(&str, bool); 2] = [("voltage", false), ("speed", true)];
-const CONTROLS: [(&str, Command); 2] =
-    [("closed_loop", Command::SpeedClosedLoop), ("open_loop", Command::SpeedOpenLoop)];
+const COMMANDS: [(&str, ProfileCommand); 3] = [
+    ("voltage", ProfileCommand::Voltage),
+    ("speed", ProfileCommand::SpeedClosedLoop),
+    ("torque", ProfileCommand::Torque),
+];
+const CONTROLS: [(&str, ProfileCommand); 2] =
+    [("closed_loop", ProfileCommand::SpeedClosedLoop), ("open_loop", ProfileCommand::SpeedOpenLoop)];
+
 impl ProfileFile {
     /// The names of the built-in profiles.
     pub fn built_in_names() -> impl Iterator<Item = &'static str> {
@@ -118,23 +125,37 @@ impl ProfileFile {
         let mut fields = Fields::parse(text)?;
         fields.schema(SCHEMA);
         let purpose = fields.maybe_text("purpose");
-        let is_speed = fields.choice("command", &COMMANDS);
-        let command = if is_speed {
-            fields.maybe_choice("control", &CONTROLS).unwrap_or(Command::SpeedClosedLoop)
-        } else {
-            Command::Voltage
-        };
-        let waveform = read_waveform(&mut fields, unit(command));
+        let mut command = fields.choice("command", &COMMANDS);
+        if command.is_speed() {
+            command = fields.maybe_choice("control", &CONTROLS).unwrap_or(command);
+        }
+        let waveform = read_waveform(&mut fields, command.suffix());
         let ramp_s = fields.maybe_number("ramp_s", 0.0..=LONGEST_S).unwrap_or(0.0);
-        let limit = fields.number(&format!("limit_{}", unit(command)), 1e-6..=LARGEST);
-        let slew = fields.number(slew_key(command), 1e-3..=4000.0);
+        let limit = fields.number(&format!("limit_{}", command.suffix()), 1e-6..=LARGEST);
+        let slew = fields.number(command.slew_key(), 1e-3..=4000.0);
         let duration_s = fields.number("duration_s", SHORTEST_S..=1e7);
         fields.finish()?;
         Ok(Self { purpose, command, waveform, ramp_s, limit, slew, duration_s })
     }
 
     /// The profile for a board that samples at this period. Errors are the core's, in words.
+    ///
+    /// # Errors
+    /// When a board cannot run it; a torque is none for a board.
     pub fn profile(&self, sample_period_us: u32) -> Result<Profile, SettingsError> {
+        if self.command == ProfileCommand::Torque {
+            return Err(SettingsError::new(
+                "this profile commands a torque, which only a drive takes; a board takes voltages and speeds",
+            ));
+        }
+        self.sampled(sample_period_us)
+    }
+
+    /// The profile for whatever is sampled at this period: a board, or a drive, in millionths of its own unit.
+    ///
+    /// # Errors
+    /// When its shape or its limits do not go together.
+    pub fn sampled(&self, sample_period_us: u32) -> Result<Profile, SettingsError> {
         let refuse = |error: ProfileError| SettingsError::new(format!("this profile cannot run: {error}"));
         let shape = self.waveform.shape(sample_period_us).map_err(refuse)?;
         if let Waveform::Multisine { offset, amplitude, .. } = self.waveform
@@ -146,7 +167,7 @@ impl ProfileFile {
             return Err(SettingsError::new(message));
         }
         let profile = Profile {
-            command: self.command,
+            command: self.command.of_board(),
             shape,
             ramp_us: us(self.ramp_s),
             limit_micro: micro(self.limit),
@@ -168,26 +189,21 @@ impl ProfileFile {
         if let Some(purpose) = &self.purpose {
             line("purpose", toml::Value::from(purpose.as_str()).to_string());
         }
-        let is_speed = self.command != Command::Voltage;
-        line("command", word(&COMMANDS, is_speed));
+        let is_speed = self.command.is_speed();
+        line(
+            "command",
+            word(&COMMANDS, if is_speed { ProfileCommand::SpeedClosedLoop } else { self.command }),
+        );
         if is_speed {
             line("control", word(&CONTROLS, self.command));
         }
-        write_waveform(&self.waveform, unit(self.command), &mut line);
+        write_waveform(&self.waveform, self.command.suffix(), &mut line);
         line("ramp_s", self.ramp_s.to_string());
-        line(&format!("limit_{}", unit(self.command)), self.limit.to_string());
-        line(slew_key(self.command), self.slew.to_string());
+        line(&format!("limit_{}", self.command.suffix()), self.limit.to_string());
+        line(self.command.slew_key(), self.slew.to_string());
         line("duration_s", self.duration_s.to_string());
         text
     }
-}
-
-fn unit(command: Command) -> &'static str {
-    if command == Command::Voltage { "V" } else { "rad_s" }
-}
-
-fn slew_key(command: Command) -> &'static str {
-    if command == Command::Voltage { "slew_V_s" } else { "slew_rad_s2" }
 }
 
 #[cfg(test)]

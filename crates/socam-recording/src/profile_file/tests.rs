@@ -82,3 +82,13 @@ fn complaints_name_line_key_and_expectation() {
             .starts_with("`wiggle` is neither a file nor a built-in profile; built in are multisine, steps")
     );
 }
+
+#[test]
+fn torques_are_profiles_for_drives_alone() {
+    let text = "command = 'torque'\nshape = 'sine'\namplitude_Nm = 0.2\nfrequency_Hz = 1\nlimit_Nm = 0.3\nslew_Nm_s = 20\nduration_s = 5\n";
+    let file = ProfileFile::parse(text).unwrap();
+    assert_eq!((file.command, file.limit), (super::ProfileCommand::Torque, 0.3));
+    assert_eq!(ProfileFile::parse(&file.to_toml()).unwrap(), file);
+    assert!(file.profile(1000).unwrap_err().to_string().contains("only a drive takes"));
+    assert_eq!(file.sampled(1000).unwrap().limit_micro, 300_000);
+}

@@ -296,7 +296,7 @@ impl Device for OdriveCan {
         let Sample { temperatures, error, .. } = self.sample;
         self.sample = Sample { temperatures, error, ..Sample::default() };
         self.questions += 1;
-        self.is_begun |= matches!(self.order, Order::Speed(_));
+        self.is_begun |= matches!(self.order, Order::Speed(_) | Order::Torque(_));
         Ok(Some(self.asking.poll(now_ns, &question, out)))
     }
 

@@ -9,7 +9,7 @@ use moteus_protocol::{CanFdFrame, Resolution, calculate_arbitration_id};
 
 use crate::drive::{Limits, Order};
 
-/// The line with an order that asks for all registers that are read. A speed without limits is not commanded.
+/// The line with an order that asks for all registers that are read. A speed or torque without limits is not commanded.
 pub(super) fn line(id: u8, order: Order, limits: Option<Limits>) -> Vec<u8> {
     let mut frame = CanFdFrame::new();
     frame.arbitration_id = calculate_arbitration_id(0, id as i8, 0, true);
@@ -17,8 +17,11 @@ pub(super) fn line(id: u8, order: Order, limits: Option<Limits>) -> Vec<u8> {
         (Order::Speed(speed_rad_s), Some(limits)) => {
             position_command(speed_rad_s, limits).serialize(&mut frame, &PositionFormat::default());
         }
+        (Order::Torque(torque_nm), Some(limits)) => {
+            torque_command(torque_nm, limits).serialize(&mut frame, &PositionFormat::default());
+        }
         (Order::Stop, _) => StopCommand::serialize(&mut frame),
-        (Order::Ask | Order::Prepare | Order::Release | Order::Speed(_), _) => {}
+        (Order::Ask | Order::Prepare | Order::Release | Order::Speed(_) | Order::Torque(_), _) => {}
     }
     let mut format = QueryFormat::default();
     format.q_current = Resolution::Float;
@@ -41,6 +44,20 @@ fn position_command(speed_rad_s: f64, limits: Limits) -> PositionCommand {
         .watchdog_timeout(limits.watchdog_s as f32)
         .velocity_limit(turns(limits.speed_rad_s))
         .accel_limit(turns(limits.acceleration_rad_s2))
+}
+
+/// A torque in position mode: the drive's own gains are scaled to 0, so that the torque that is fed forward is all of it but the integral
+/// part, which is 0 unless the drive is configured otherwise. (`ilimit_scale` would scale that too; a firmware without that register would
+/// answer with an error.) The limit of torque and the watchdog are part of every command.
+fn torque_command(torque_nm: f64, limits: Limits) -> PositionCommand {
+    PositionCommand::new()
+        .position(f32::NAN)
+        .velocity(0.0)
+        .feedforward_torque(torque_nm as f32)
+        .kp_scale(0.0)
+        .kd_scale(0.0)
+        .maximum_torque(limits.effort as f32)
+        .watchdog_timeout(limits.watchdog_s as f32)
 }
 
 /// What a mode is, in words that follow "it is"; from the list of moteus's register 0x000.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::drive::{Limits, Readiness};
+use crate::drive::{Commands, Limits, Readiness};
 
 /// Generation of the firmware, which names things by it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,31 +84,45 @@ impl Generation {
             "config.enable_watchdog",
             "controller.config.control_mode",
             "controller.config.input_mode",
+            // Whether the speed limit holds for torques too.
+            "controller.config.enable_torque_mode_vel_limit",
         ]
     }
 }
 
-/// Number of settings, and their places: speed limit, current limit, time of the watchdog, whether it is on, and then two modes.
-const SETTINGS: usize = 6;
+/// Number of settings, and their places: speed limit, current limit, time of the watchdog, whether it is on, two modes, and whether torques
+/// have the speed limit, which is asked for where torques are commanded.
+const SETTINGS: usize = 7;
 const SPEED: usize = 0;
 const CURRENT: usize = 1;
 const WATCHDOG: usize = 2;
 const IS_WATCHED: usize = 3;
-/// Control of speed; the command is taken as it is.
-const MODES: [f64; 2] = [2.0, 1.0];
+const MODES: usize = 4;
+const TORQUES_TOO: usize = 6;
+/// Control of speed and of torque; the command is taken as it is.
+const CONTROL_SPEED: f64 = 2.0;
+const CONTROL_TORQUE: f64 = 1.0;
+const INPUT_AS_IT_IS: f64 = 1.0;
 
 /// Settings of a run.
 #[derive(Debug, Clone)]
 pub(super) struct Settings {
     limits: Limits,
     /// What the drive had before, once it has said so.
-    before: Option<[f64; SETTINGS]>,
+    before: Option<Vec<f64>>,
     readiness: Readiness,
 }
 
 impl Settings {
     pub(super) fn new(limits: Limits) -> Self {
         Self { limits, before: None, readiness: Readiness::Pending }
+    }
+
+    /// The names of the settings of this run.
+    fn names(&self, generation: Generation) -> Vec<&'static str> {
+        let all = generation.settings();
+        let count = if self.limits.commands == Commands::Torques { SETTINGS } else { TORQUES_TOO };
+        all[..count].to_vec()
     }
 
     pub(super) fn readiness(&self) -> Readiness {
@@ -119,7 +133,7 @@ impl Settings {
     pub(super) fn asked(&self, axis: u8, generation: Generation) -> Vec<String> {
         let mut names = vec![format!("axis{axis}.current_state")];
         if self.readiness == Readiness::Pending {
-            names.extend(generation.settings().map(|name| format!("axis{axis}.{name}")));
+            names.extend(self.names(generation).iter().map(|name| format!("axis{axis}.{name}")));
         }
         names
     }
@@ -129,14 +143,19 @@ impl Settings {
         if self.readiness != Readiness::Pending {
             return;
         }
-        let known: Vec<f64> = answers.iter().copied().flatten().collect();
-        let Ok(now) = <[f64; SETTINGS]>::try_from(known) else {
-            let what = "the ODrive does not state its limits and its watchdog, so it is not commanded";
+        let now: Vec<f64> = answers.iter().copied().flatten().collect();
+        let count = self.names(Generation::Early).len();
+        if now.len() != count || answers.len() != count {
+            let what = if count == SETTINGS {
+                "the ODrive does not state its limits, its watchdog, and whether it limits the speed under a torque, so it is not commanded"
+            } else {
+                "the ODrive does not state its limits and its watchdog, so it is not commanded"
+            };
             self.readiness = Readiness::Refused(what.into());
             return;
-        };
-        let Some(before) = self.before else {
-            self.before = Some(now);
+        }
+        let Some(before) = &self.before else {
+            self.before = Some(now.clone());
             let own_rad_s = now[SPEED] * TAU;
             if own_rad_s < self.limits.speed_rad_s * (1.0 - 1e-4)
                 || now[CURRENT] < self.limits.effort * (1.0 - 1e-4)
@@ -155,21 +174,28 @@ impl Settings {
         }
     }
 
-    fn wanted(&self, before: [f64; SETTINGS]) -> [f64; SETTINGS] {
-        let mut wanted = before;
+    fn wanted(&self, before: &[f64]) -> Vec<f64> {
+        let mut wanted = before.to_vec();
         wanted[SPEED] = self.limits.speed_rad_s / TAU;
         wanted[CURRENT] = self.limits.effort;
         wanted[WATCHDOG] = self.limits.watchdog_s;
         wanted[IS_WATCHED] = 1.0;
-        wanted[IS_WATCHED + 1..].copy_from_slice(&MODES);
+        let is_torque = self.limits.commands == Commands::Torques;
+        wanted[MODES] = if is_torque { CONTROL_TORQUE } else { CONTROL_SPEED };
+        wanted[MODES + 1] = INPUT_AS_IT_IS;
+        wanted.iter_mut().skip(TORQUES_TOO).for_each(|too| *too = 1.0);
         wanted
     }
 
     /// The lines that give it the settings; its watchdog is fed before it is switched on.
     pub(super) fn writes(&self, axis: u8, generation: Generation) -> String {
-        let Some(before) = self.before else { return String::new() };
-        let mut lines = format!("v {axis} 0 0\n");
-        for (index, (name, value)) in generation.settings().iter().zip(self.wanted(before)).enumerate() {
+        let Some(before) = &self.before else { return String::new() };
+        // Each of these sets the mode of control too, as does the setting below.
+        let mut lines = match self.limits.commands {
+            Commands::Speeds => format!("v {axis} 0 0\n"),
+            Commands::Torques => format!("c {axis} 0\n"),
+        };
+        for (index, (name, value)) in self.names(generation).iter().zip(self.wanted(before)).enumerate() {
             if index == IS_WATCHED {
                 lines.push_str(&format!("u {axis}\n"));
             }
@@ -180,14 +206,21 @@ impl Settings {
 
     /// The lines that give it back what it had, its watchdog first, which nobody feeds any more.
     pub(super) fn undo(&self, axis: u8, generation: Generation) -> String {
-        let Some(before) = self.before else { return String::new() };
-        let all = generation.settings();
-        let order = [IS_WATCHED, WATCHDOG, CURRENT, SPEED, IS_WATCHED + 1, IS_WATCHED + 2];
-        order.map(|index| format!("w axis{axis}.{} {}\n", all[index], short(before[index]))).concat()
+        let Some(before) = &self.before else { return String::new() };
+        let all = self.names(generation);
+        let order = [IS_WATCHED, WATCHDOG, CURRENT, SPEED, MODES, MODES + 1, TORQUES_TOO];
+        let lines = order.iter().filter(|index| **index < all.len());
+        lines.map(|index| format!("w axis{axis}.{} {}\n", all[*index], short(before[*index]))).collect()
     }
 
     pub(super) fn promises(&self) -> [Vec<String>; 2] {
-        let Limits { speed_rad_s, effort, watchdog_s, .. } = self.limits;
+        let Limits { speed_rad_s, effort, watchdog_s, commands, .. } = self.limits;
+        let of_torques = (commands == Commands::Torques).then(|| {
+            "Under a torque the axis limits its speed by taking torque away near its speed limit, and is commanded only if it states that it does.".to_owned()
+        });
+        let torques_not = (commands == Commands::Torques).then(|| {
+            "A torque is a current by the drive's own torque constant: where that is wrong, so is the torque. A load can turn it faster than its limit: this computer stops it then.".to_owned()
+        });
         [
             vec![
                 format!("The axis gets a speed limit of {speed_rad_s} rad/s and a current limit of {effort} A, and is commanded only if it states them."),
@@ -195,11 +228,17 @@ impl Settings {
                     "The axis gets a watchdog, and is commanded only if it states it: it switches its motor off {watchdog_s} s after the last command that it got."
                 ),
                 "After the run these settings become what they were; none is saved in the drive.".into(),
-            ],
+            ]
+            .into_iter()
+            .chain(of_torques)
+            .collect(),
             vec![
                 "A motor that is switched off coasts, by the watchdog as at the end: nothing brakes it, and a weight falls.".into(),
                 "If this program is killed, the limits and the watchdog stay until the drive is restarted.".into(),
-            ],
+            ]
+            .into_iter()
+            .chain(torques_not)
+            .collect(),
         ]
     }
 }

@@ -36,6 +36,9 @@ pub struct MoteusSimulator {
 #[derive(Debug, Clone, Copy)]
 struct Command {
     velocity: f64,
+    /// Torque that is fed forward, N m, and the scale of its own gains.
+    torque_nm: f64,
+    gain: f64,
     most_nm: f64,
     most_velocity: f64,
     watchdog_s: f64,
@@ -48,6 +51,8 @@ impl MoteusSimulator {
     pub fn new(id: u8, motor: Motor) -> Self {
         let command = Command {
             velocity: 0.0,
+            torque_nm: 0.0,
+            gain: 1.0,
             most_nm: 0.0,
             most_velocity: f64::INFINITY,
             watchdog_s: 0.1,
@@ -77,6 +82,10 @@ impl MoteusSimulator {
         let factor = if matches!(self.mishap, Some(Mishap::Lies | Mishap::RunsAway)) { 2.0 } else { 1.0 };
         match (self.mishap, self.mode) {
             (Some(Mishap::Dies), _) => Want::Off,
+            (_, POSITION) if self.command.gain == 0.0 => {
+                let most_nm = self.command.most_nm;
+                Want::Torque((factor * self.command.torque_nm).clamp(-most_nm, most_nm))
+            }
             (_, POSITION) => {
                 let most = self.command.most_velocity.abs();
                 let velocity = self.command.velocity.max(-most).min(most);
@@ -113,7 +122,8 @@ impl MoteusSimulator {
 
     /// Takes what a frame writes.
     fn obey(&mut self, frame: &CanFdFrame) {
-        let (mut command, mut mode) = (self.command, None);
+        // What a command does not hold is what the drive has for it.
+        let (mut command, mut mode) = (Command { torque_nm: 0.0, gain: 1.0, ..self.command }, None);
         for part in parse_frame(frame.payload()) {
             let Subframe::Register { register, value: Some(value), .. } = part else { continue };
             let float = match value {
@@ -123,6 +133,8 @@ impl MoteusSimulator {
             match Register::from_address(register) {
                 Some(Register::Mode) => mode = Some(value.to_i32() as u8),
                 Some(Register::CommandVelocity) => command.velocity = float,
+                Some(Register::CommandFeedforwardTorque) => command.torque_nm = float,
+                Some(Register::CommandKpScale) => command.gain = float,
                 Some(Register::CommandPositionMaxTorque) => command.most_nm = float,
                 Some(Register::CommandTimeout) => command.watchdog_s = float,
                 Some(Register::CommandVelocityLimit) => command.most_velocity = float,

@@ -60,6 +60,8 @@ pub(super) enum Want {
     Off,
     /// A speed, rad/s, with at most this torque, N m.
     Speed(f64, f64),
+    /// A torque, N m.
+    Torque(f64),
 }
 
 impl Motor {
@@ -106,6 +108,10 @@ impl Motor {
             Want::Off => {
                 self.integral_nm = 0.0;
                 0.0
+            }
+            Want::Torque(torque_nm) => {
+                self.integral_nm = 0.0;
+                torque_nm
             }
             Want::Speed(wanted_rad_s, most_nm) => {
                 let error = wanted_rad_s - self.speed_rad_s;

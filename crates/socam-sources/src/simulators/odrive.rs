@@ -10,6 +10,12 @@ use super::motor::{Mishap, Motor, Want};
 const IDLE: f64 = 1.0;
 const CLOSED_LOOP: f64 = 8.0;
 
+/// Modes of control.
+const TORQUE: f64 = 1.0;
+const SPEED: f64 = 2.0;
+/// Torque that it takes away for each turn per second beyond its limit of speed, N m.
+const LIMITED_NM: f64 = 0.16;
+
 /// Generation of the firmware.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Firmware {
@@ -34,9 +40,17 @@ pub struct OdriveSimulator {
     /// What it knows by name.
     properties: BTreeMap<&'static str, f64>,
     velocity: f64,
+    /// Torque that it was told, N m.
+    torque_nm: f64,
     fed_s: f64,
     time_s: f64,
     bytes: Vec<u8>,
+}
+
+/// A torque, N m, that fades as the speed comes near its limit, both in turns/s, as the firmware's own does.
+pub(super) fn faded_nm(torque_nm: f64, speed: f64, most: f64) -> f64 {
+    let [low, high] = [-most - speed, most - speed].map(|room| LIMITED_NM * room);
+    torque_nm.clamp(low, high)
 }
 
 impl OdriveSimulator {
@@ -61,6 +75,7 @@ impl OdriveSimulator {
             ("axis0.controller.config.vel_limit", 20.0),
             ("axis0.controller.config.control_mode", 3.0),
             ("axis0.controller.config.input_mode", 5.0),
+            ("axis0.controller.config.enable_torque_mode_vel_limit", 0.0),
             ("axis0.config.watchdog_timeout", 0.0),
             ("axis0.config.enable_watchdog", 0.0),
         ]);
@@ -72,6 +87,7 @@ impl OdriveSimulator {
             firmware,
             properties,
             velocity: 0.0,
+            torque_nm: 0.0,
             fed_s: 0.0,
             time_s: 0.0,
             bytes: Vec::new(),
@@ -113,7 +129,14 @@ impl OdriveSimulator {
         let get = |name: &str| self.property(name).unwrap_or_default();
         let most = get("axis0.controller.config.vel_limit");
         let limit = get("axis0.motor.config.current_lim").max(get("axis0.config.motor.current_soft_max"));
-        let want = if get("axis0.current_state") == CLOSED_LOOP && self.mishap != Some(Mishap::Dies) {
+        let is_obeying = get("axis0.current_state") == CLOSED_LOOP && self.mishap != Some(Mishap::Dies);
+        let want = if is_obeying && get("axis0.controller.config.control_mode") == TORQUE {
+            let most_nm = limit * self.motor.torque_constant_nm_a;
+            let wanted_nm = (factor * self.torque_nm).clamp(-most_nm, most_nm);
+            let is_limited = get("axis0.controller.config.enable_torque_mode_vel_limit") != 0.0;
+            let speed = self.motor.speed_rad_s / TAU;
+            Want::Torque(if is_limited { faded_nm(wanted_nm, speed, most) } else { wanted_nm })
+        } else if is_obeying {
             Want::Speed(
                 factor * self.velocity.max(-most).min(most) * TAU,
                 limit * self.motor.torque_constant_nm_a,
@@ -158,6 +181,13 @@ impl OdriveSimulator {
             ["w", name, value] => self.write(name, value),
             ["v", "0", velocity, ..] => {
                 self.velocity = velocity.parse().unwrap_or_default();
+                self.set("axis0.controller.config.control_mode", SPEED);
+                self.fed_s = self.time_s;
+                String::new()
+            }
+            ["c", "0", torque] => {
+                self.torque_nm = torque.parse().unwrap_or_default();
+                self.set("axis0.controller.config.control_mode", TORQUE);
                 self.fed_s = self.time_s;
                 String::new()
             }

@@ -5,11 +5,14 @@ use std::f64::consts::TAU;
 use super::bus::Node;
 use super::frame::Frame;
 use super::motor::{Mishap, Motor, Want};
-use super::odrive::Firmware;
+use super::odrive::{Firmware, faded_nm};
 
 /// States of an axis.
 const IDLE: u8 = 1;
 const CLOSED_LOOP: u8 = 8;
+/// Control of speed and of torque, of commands that are taken as they are.
+const SPEED: (u32, u32) = (2, 1);
+const TORQUE: (u32, u32) = (1, 1);
 /// Time between heartbeats, and between encoder estimates that it sends by itself, s: those of its maker.
 const HEARTBEAT_S: f64 = 0.1;
 const ENCODER_S: f64 = 0.01;
@@ -33,9 +36,12 @@ pub struct OdriveCanSimulator {
     pub limits: (f64, f64),
     node: u32,
     firmware: Firmware,
-    /// Whether it controls its speed and takes commands as they are.
-    is_speed: bool,
+    /// Whether it limits its speed under a torque.
+    pub is_torque_limited: bool,
+    /// What it controls and how it takes commands, by the numbers of the protocol.
+    modes: (u32, u32),
     velocity: f64,
+    torque_nm: f64,
     fed_s: f64,
     time_s: f64,
     beat_s: f64,
@@ -56,8 +62,10 @@ impl OdriveCanSimulator {
             limits: (20.0, 10.0),
             node: u32::from(node),
             firmware,
-            is_speed: false,
+            is_torque_limited: true,
+            modes: (3, 5),
             velocity: 0.0,
+            torque_nm: 0.0,
             fed_s: 0.0,
             time_s: 0.0,
             beat_s: 0.0,
@@ -95,11 +103,20 @@ impl OdriveCanSimulator {
         }
         let factor = if matches!(self.mishap, Some(Mishap::Lies | Mishap::RunsAway)) { 2.0 } else { 1.0 };
         let (most, current_a) = self.limits;
-        let want = if self.state == CLOSED_LOOP && self.is_speed && self.mishap != Some(Mishap::Dies) {
-            let speed = factor * self.velocity.clamp(-most, most) * TAU;
-            Want::Speed(speed, current_a * self.motor.torque_constant_nm_a)
-        } else {
-            Want::Off
+        let is_obeying = self.state == CLOSED_LOOP && self.mishap != Some(Mishap::Dies);
+        let most_nm = current_a * self.motor.torque_constant_nm_a;
+        let want = match self.modes {
+            SPEED if is_obeying => Want::Speed(factor * self.velocity.clamp(-most, most) * TAU, most_nm),
+            TORQUE if is_obeying => {
+                let torque_nm = (factor * self.torque_nm).clamp(-most_nm, most_nm);
+                let speed = self.motor.speed_rad_s / TAU;
+                Want::Torque(if self.is_torque_limited {
+                    faded_nm(torque_nm, speed, most)
+                } else {
+                    torque_nm
+                })
+            }
+            _ => Want::Off,
         };
         self.motor.advance(seconds, want);
     }
@@ -132,8 +149,9 @@ impl OdriveCanSimulator {
         match command {
             // An axis in an error stays idle.
             0x07 if self.error == 0 || word(0) == u32::from(IDLE) => self.state = word(0) as u8,
-            0x0b => self.is_speed = (word(0), word(4)) == (2, 1),
+            0x0b => self.modes = (word(0), word(4)),
             0x0d => self.velocity = number(0),
+            0x0e => self.torque_nm = number(0),
             0x0f => self.limits = (number(0), number(4)),
             0x18 => self.error = 0,
             _ => {}

@@ -76,10 +76,11 @@ pub(super) fn armed(args: &Args, address: &SourceAddress) -> anyhow::Result<Opti
     let [speed_rad_s, effort] = limits(&args.drive, effort)?;
     let wish = Wish { name, profile, period_us: args.record.period_us()?, speed_rad_s, effort };
     let following = Following::new(address, wish).map_err(wrong)?;
-    let Terms { wish, limits, peak_rad_s, promises: [kept, not_promised], .. } = &following.terms;
+    let Terms { wish, limits, peak, promises: [kept, not_promised], .. } = &following.terms;
     output::say(format_args!(
-        "{address} is to follow `{}`: up to {peak_rad_s} rad/s for {:.1} s, within {limits}.",
+        "{address} is to follow `{}`: up to {peak} {} for {:.1} s, within {limits}.",
         wish.name,
+        wish.profile.command.unit(),
         following.terms.planned_s()
     ));
     kept.iter().for_each(|promise| output::say(format_args!("  {promise}")));

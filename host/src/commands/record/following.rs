@@ -1,10 +1,10 @@
 //! A drive that is to follow a profile: what is refused before anything leaves for it, and what is said. The command line and the window share it.
 
-use socam_core::{Command, Generator};
-use socam_recording::{ProfileFile, RecordingHeader};
+use socam_core::Generator;
+use socam_recording::{ProfileCommand, ProfileFile, RecordingHeader};
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
-use socam_sources::{Commanded, Device, Drive, Limits};
+use socam_sources::{Commanded, Commands, Device, Drive, Limits};
 
 use super::attachment;
 #[cfg(feature = "formats-can")]
@@ -13,6 +13,8 @@ use crate::device::source::{Protocol, SourceAddress};
 
 /// Time without a command after which a drive stops by itself, s: longer than an ordinary computer pauses, and short for a machine.
 const WATCHDOG_S: f64 = 0.25;
+/// The same while torques are commanded, s: a motor gains speed until then.
+const WATCHDOG_OF_TORQUES_S: f64 = 0.1;
 
 /// What a drive limits beside its speed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,8 +66,8 @@ pub(crate) struct Following {
 /// What a drive follows, and within which limits.
 pub(crate) struct Terms {
     pub(crate) wish: Wish,
-    /// Largest speed of the profile, rad/s.
-    pub(crate) peak_rad_s: f64,
+    /// Largest value of the profile, in its unit.
+    pub(crate) peak: f64,
     /// Its limits, in words.
     pub(crate) limits: String,
     /// What the drive itself keeps to, and what it does not promise: a sentence each.
@@ -81,11 +83,15 @@ impl Following {
         let period_ns = i64::from(wish.period_us) * 1000;
         let (mut drive, effort) = drive(address, period_ns)?;
         let Wish { name, profile, period_us, .. } = &wish;
-        if profile.command == Command::Voltage {
-            return Err(format!(
-                "the profile `{name}` commands a voltage; a drive takes speeds: `command = \"speed\"`, with levels and limits in rad/s"
-            ));
-        }
+        let commands = match profile.command {
+            ProfileCommand::Voltage => {
+                return Err(format!(
+                    "the profile `{name}` commands a voltage; a drive takes speeds: `command = \"speed\"`, with levels and limits in rad/s, or torques: `command = \"torque\"`, in N m"
+                ));
+            }
+            ProfileCommand::Torque => Commands::Torques,
+            ProfileCommand::SpeedOpenLoop | ProfileCommand::SpeedClosedLoop => Commands::Speeds,
+        };
         let longest_s = Commanded::longest_period_s();
         if f64::from(*period_us) * 1e-6 > longest_s {
             return Err(format!(
@@ -94,27 +100,34 @@ impl Following {
                 1e6 / f64::from(*period_us)
             ));
         }
-        let core = profile.profile(*period_us).map_err(|error| error.to_string())?;
+        let core = profile.sampled(*period_us).map_err(|error| error.to_string())?;
         let peak_micro = Generator::peak_micro(&core.shape, *period_us).map_err(|error| error.to_string())?;
-        let peak_rad_s = peak_micro as f64 * 1e-6;
-        if peak_rad_s > wish.speed_rad_s {
+        let peak = peak_micro as f64 * 1e-6;
+        let limit = match (commands, effort) {
+            (Commands::Speeds, _) => Some(wish.speed_rad_s),
+            (Commands::Torques, Effort::Torque) => Some(wish.effort),
+            // The drive's limit is one of current, which it keeps whatever the torque is.
+            (Commands::Torques, Effort::Current) => None,
+        };
+        if let Some(limit) = limit.filter(|limit| peak > *limit) {
+            let unit = profile.command.unit();
             return Err(format!(
-                "the profile `{name}` reaches {peak_rad_s} rad/s, beyond the limit of {} rad/s: nothing was commanded",
-                wish.speed_rad_s
+                "the profile `{name}` reaches {peak} {unit}, beyond the limit of {limit} {unit}: nothing was commanded"
             ));
         }
         let limits = Limits {
             speed_rad_s: wish.speed_rad_s,
             effort: wish.effort,
+            commands,
             acceleration_rad_s2: profile.slew,
-            watchdog_s: WATCHDOG_S,
+            watchdog_s: if commands == Commands::Torques { WATCHDOG_OF_TORQUES_S } else { WATCHDOG_S },
         };
         drive.limit(limits);
         let promises = drive.promises();
         let device = Commanded::new(drive, &core, *period_us, limits)
             .map_err(|error| format!("the profile `{name}` cannot run: {error}"))?;
         let terms = Terms {
-            peak_rad_s,
+            peak,
             limits: format!("{} rad/s, {} {}", wish.speed_rad_s, wish.effort, effort.unit()),
             promises,
             wish,
@@ -167,7 +180,14 @@ fn drive(address: &SourceAddress, period_ns: i64) -> Result<(Box<dyn Drive>, Eff
 #[cfg(feature = "window")]
 pub(crate) fn offered(address: &SourceAddress) -> Option<(Effort, Vec<String>)> {
     let (mut drive, effort) = drive(address, 1_000_000).ok()?;
-    drive.limit(Limits { speed_rad_s: 1.0, effort: 1.0, acceleration_rad_s2: 1.0, watchdog_s: WATCHDOG_S });
+    let commands = Commands::Speeds;
+    drive.limit(Limits {
+        speed_rad_s: 1.0,
+        effort: 1.0,
+        commands,
+        acceleration_rad_s2: 1.0,
+        watchdog_s: WATCHDOG_S,
+    });
     let [_, not_promised] = drive.promises();
     Some((effort, not_promised))
 }

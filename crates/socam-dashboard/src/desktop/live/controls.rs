@@ -11,7 +11,7 @@ use socam_workbench::connection::Connection;
 use socam_workbench::input_signal::{self, AMPLITUDE_V, FREQUENCY_HZ, LIMIT_V, Signal, SignalShape};
 use socam_workbench::next_run::NextRun;
 
-use super::fields::{duration, profile, slider, unit};
+use super::fields::{duration, profile, slider};
 use super::parts::{Action, card};
 use super::{Live, drive, source};
 use crate::layout;
@@ -33,7 +33,7 @@ impl Live {
                         (_, Some(offer)) => {
                             drive::limits(ui, bench, offer, drive);
                             card(ui, "Input Signal", |ui| {
-                                actions.extend(drive::signal(ui, bench, &drive.signal));
+                                actions.extend(drive::signal(ui, bench, drive));
                                 self.preview(ui, bench, &drive.signal);
                             });
                         }
@@ -57,7 +57,7 @@ impl Live {
         }
         let Some((file, line)) = &self.preview else { return };
         match line {
-            Ok(line) => preview(ui, bench, line, unit(file)),
+            Ok(line) => preview(ui, bench, line, file.command.unit()),
             Err(sentence) => drop(ui.label(RichText::new(sentence).color(theme::alarm(ui)))),
         }
     }

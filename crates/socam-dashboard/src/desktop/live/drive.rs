@@ -4,11 +4,11 @@ use egui::{Button, CollapsingHeader, ComboBox, DragValue, Label, RichText, Ui};
 
 use socam_chart::theme;
 use socam_core::State;
-use socam_recording::ProfileFile;
+use socam_recording::{ProfileCommand, ProfileFile};
 use socam_workbench::connection::Connection;
 use socam_workbench::device::{Effort, Offer};
-use socam_workbench::drive_run::{ACCELERATION_RAD_S2, DriveRun, FORMS};
-use socam_workbench::input_signal::{Signal, SignalShape};
+use socam_workbench::drive_run::{DriveRun, FORMS, SLEW};
+use socam_workbench::input_signal::SignalShape;
 
 use super::fields::profile;
 use super::parts::{Action, card};
@@ -34,7 +34,11 @@ pub(super) fn limits(ui: &mut Ui, bench: &Connection, offer: &Offer, run: &mut D
             }
             let most = if offer.effort == Effort::Torque { MOST_NM } else { MOST_A };
             let name = format!("Largest {}", offer.effort.name());
-            field(ui, &name, run.effort_mut(offer.effort), most, offer.effort.unit());
+            let mut effort = run.effort(offer.effort);
+            field(ui, &name, &mut effort, most, offer.effort.unit());
+            if effort != run.effort(offer.effort) {
+                run.set_effort(offer.effort, effort);
+            }
         });
         let rpm = run.speed_rad_s() * 30.0 / std::f64::consts::PI;
         let text = match run.limits(offer.effort) {
@@ -89,11 +93,17 @@ fn field(ui: &mut Ui, name: &str, value: &mut f64, most: f64, unit: &str) {
     });
 }
 
-/// The input signal of a drive: a form of speeds around standstill, or a profile that was opened.
-pub(super) fn signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option<Action> {
-    let mut settings = signal.settings.clone();
-    let mut chosen = None;
+/// The input signal of a drive: a form of speeds around standstill or of torques around zero, or a profile that was opened.
+pub(super) fn signal(ui: &mut Ui, bench: &Connection, run: &DriveRun) -> Option<Action> {
+    let mut settings = run.signal.settings.clone();
+    let (mut chosen, mut is_torque) = (None, run.is_torque());
     ui.add_enabled_ui(is_at_rest(bench), |ui| {
+        ui.horizontal(|ui| {
+            ui.label("Commands");
+            let tip = "A torque has no controller of speed: the motor turns as its load lets it, and the run ends beyond the largest speed";
+            ui.selectable_value(&mut is_torque, false, "speed");
+            ui.selectable_value(&mut is_torque, true, "torque").on_hover_text(tip);
+        });
         ui.horizontal(|ui| {
             crate::together::level(ui);
             let label = ui.label("Signal");
@@ -107,7 +117,7 @@ pub(super) fn signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option
                 }
             });
             answer.response.labelled_by(label.id).on_hover_text(
-                "Forms of speeds around standstill; File, Open takes any profile with `command = \"speed\"`",
+                "Forms around standstill, or zero; File, Open takes any profile of speeds or torques",
             );
         });
         if let SignalShape::Other(_, file) = &mut settings.kind {
@@ -117,17 +127,23 @@ pub(super) fn signal(ui: &mut Ui, bench: &Connection, signal: &Signal) -> Option
             acceleration(ui, file);
         }
     });
-    let changed = (settings != signal.settings).then_some(Action::Change(settings));
+    if is_torque != run.is_torque() {
+        return Some(Action::Torques(is_torque));
+    }
+    let changed = (settings != run.signal.settings).then_some(Action::Change(settings));
     chosen.map(Action::Load).or(changed)
 }
 
 fn acceleration(ui: &mut Ui, file: &mut ProfileFile) {
     ui.horizontal(|ui| {
         crate::together::level(ui);
-        let label = ui.label("Acceleration");
-        let [low, high] = ACCELERATION_RAD_S2;
-        let drag = DragValue::new(&mut file.slew).speed(5.0).suffix(" rad/s²").range(low..=high);
-        let hint = "The largest of the signal: what would be steeper is made as steep as this. A moteus is told it as its own limit too";
+        let is_torque = file.command == ProfileCommand::Torque;
+        let (name, suffix) = if is_torque { ("Rate", " N m/s") } else { ("Acceleration", " rad/s²") };
+        let label = ui.label(name);
+        let [low, high] = SLEW;
+        let speed = 0.01 * file.slew.max(1.0);
+        let drag = DragValue::new(&mut file.slew).speed(speed).suffix(suffix).range(low..=high).max_decimals(3);
+        let hint = "The largest of the signal: what would be steeper is made as steep as this. A moteus is told an acceleration as its own limit too";
         ui.add(drag).labelled_by(label.id).on_hover_text(hint);
     });
 }

@@ -1,18 +1,12 @@
 //! Fields of an input signal, of a board or of a drive.
 
 use egui::{DragValue, Slider, Ui, vec2};
-use socam_core::Command;
 use socam_recording::ProfileFile;
 use socam_workbench::input_signal::{self, DURATION_S};
 
-/// Unit of what a profile commands.
-pub(super) fn unit(file: &ProfileFile) -> &'static str {
-    if file.command == Command::Voltage { "V" } else { "rad/s" }
-}
-
 /// Amplitude and duration of a profile.
 pub(super) fn profile(ui: &mut Ui, file: &mut ProfileFile) {
-    let unit = unit(file);
+    let unit = file.command.unit();
     let (mut amplitude, most) = input_signal::amplitude(file);
     // A slider at zero would forget the form of steps.
     let least = 0.02 * most;

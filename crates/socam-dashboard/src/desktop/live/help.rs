@@ -21,8 +21,8 @@ pub(super) const HELP: Help = &[
     ),
     ("The same in a terminal; Copy", "the command by which a drive follows a profile without this window"),
     (
-        "Acceleration",
-        "of the signal of a drive, which is in rad/s around standstill, or a profile of speeds that was opened",
+        "speed; torque; Acceleration; Rate",
+        "of the signal of a drive, which is one of speeds or torques, or a profile that was opened",
     ),
     ("Connect; Disconnect", "opens and closes the link to the device; a bench that runs is stopped before"),
     ("Clear fault", "puts a fault away whose cause is gone, so that the bench can be armed again"),

@@ -89,6 +89,11 @@ impl Live {
                     workspace.bench.set_problem(Some(sentence));
                 }
             }
+            Action::Torques(is_torque) => {
+                if let Err(sentence) = workspace.drive.set_torque(is_torque) {
+                    workspace.bench.set_problem(Some(sentence));
+                }
+            }
             Action::AddNote => {
                 let note = std::mem::take(&mut workspace.next_run.note);
                 workspace.bench.note(note);

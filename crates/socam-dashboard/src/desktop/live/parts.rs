@@ -16,6 +16,8 @@ pub(super) enum Action {
     Change(Settings),
     /// Make the built-in profile of this name the input signal.
     Load(&'static str),
+    /// Make the signal of a drive one of torques, or one of speeds.
+    Torques(bool),
     /// Write the note into the recording.
     AddNote,
     /// Write what is known of a device that does not state everything.

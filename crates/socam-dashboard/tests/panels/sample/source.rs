@@ -134,7 +134,7 @@ pub(crate) fn commanded(look: Look) -> Dashboard {
     let limits = vec![None, Some(30.0), Some(45.0), None, Some(30.0)];
     let (mut dashboard, bench) = offered(look, "follows a profile", limits);
     dashboard.workspace.drive.set_speed(30.0);
-    dashboard.workspace.drive.torque_nm = 0.5;
+    dashboard.workspace.drive.set_effort(Effort::Torque, 0.5);
     bench.news.send(News::Began { path: "runs/rotor-4.mcap".into(), planned_s: 20.5 }).unwrap();
     bench.news.send(health(State::Running, None)).unwrap();
     tell(&bench, 1.0, "start", "the run begins");

@@ -5,6 +5,7 @@
 //! `Firmware/communication/can/can_simple.cpp` in github.com/odriverobotics/ODrive. All numbers are little-endian.
 
 use crate::can::slcan::{line, remote_line};
+use crate::drive::Commands;
 use crate::odrive::Generation;
 
 /// Largest number of a node.
@@ -23,13 +24,16 @@ const BUS: u32 = 0x17;
 const SET_STATE: u32 = 0x07;
 const SET_MODES: u32 = 0x0b;
 const SET_VELOCITY: u32 = 0x0d;
+const SET_TORQUE: u32 = 0x0e;
 const SET_LIMITS: u32 = 0x0f;
 const CLEAR_ERRORS: u32 = 0x18;
 /// Messages by which a host commands a drive: whoever else sends them is a second master.
 const COMMANDS: [u32; 9] =
-    [0x02, SET_STATE, SET_MODES, 0x0c, SET_VELOCITY, 0x0e, SET_LIMITS, 0x16, CLEAR_ERRORS];
-/// Control of speed; the command is taken as it is.
-const MODES: [u32; 2] = [2, 1];
+    [0x02, SET_STATE, SET_MODES, 0x0c, SET_VELOCITY, SET_TORQUE, SET_LIMITS, 0x16, CLEAR_ERRORS];
+/// Control of speed or torque; the command is taken as it is.
+const CONTROL_SPEED: u32 = 2;
+const CONTROL_TORQUE: u32 = 1;
+const INPUT_AS_IT_IS: u32 = 1;
 
 /// What a drive said.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,9 +141,15 @@ impl To {
         self.numbers(SET_VELOCITY, turns_s, 0.0)
     }
 
-    /// Control of speed within limits, turns/s and A.
-    pub(super) fn settings(self, turns_s: f64, current_a: f64) -> Vec<u8> {
-        let modes = self.frame(SET_MODES, MODES.map(u32::to_le_bytes).as_flattened());
+    /// A torque, N m.
+    pub(super) fn torque(self, torque_nm: f64) -> Vec<u8> {
+        self.frame(SET_TORQUE, &(torque_nm as f32).to_le_bytes())
+    }
+
+    /// Control of speed or torque within limits, turns/s and A.
+    pub(super) fn settings(self, commands: Commands, turns_s: f64, current_a: f64) -> Vec<u8> {
+        let control = if commands == Commands::Torques { CONTROL_TORQUE } else { CONTROL_SPEED };
+        let modes = self.frame(SET_MODES, [control, INPUT_AS_IT_IS].map(u32::to_le_bytes).as_flattened());
         [modes, self.numbers(SET_LIMITS, turns_s, current_a)].concat()
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::trial::Trial;
 use super::{OdriveCan, TEMPERATURES_EVERY};
-use crate::drive::{Drive, Limits, Order, Readiness, Standing, Watched};
+use crate::drive::{Commands, Drive, Limits, Order, Readiness, Standing, Watched};
 use crate::odrive::Generation;
 
 /// States of an axis: idle, and obeying.
@@ -38,14 +38,20 @@ impl Drive for OdriveCan {
                 let state = if self.is_begun { Vec::new() } else { to.state(CLOSED_LOOP) };
                 [to.velocity(speed_rad_s / TAU), state].concat()
             }
+            (Order::Torque(torque_nm), Some(_)) => {
+                let state = if self.is_begun { Vec::new() } else { to.state(CLOSED_LOOP) };
+                [to.torque(torque_nm), state].concat()
+            }
             (Order::Stop, _) => to.state(IDLE),
             (Order::Prepare, Some(limits)) => {
-                [to.clear_errors(), to.settings(limits.speed_rad_s / TAU, limits.effort), to.velocity(0.0)]
-                    .concat()
+                let settings = to.settings(limits.commands, limits.speed_rad_s / TAU, limits.effort);
+                [to.clear_errors(), settings, to.velocity(0.0), to.torque(0.0)].concat()
             }
-            // Its modes and limits cannot be read, so they cannot be put back; no speed is left behind.
-            (Order::Release, Some(_)) => to.velocity(0.0),
-            (Order::Ask | Order::Speed(_) | Order::Prepare | Order::Release, _) => Vec::new(),
+            // Its modes and limits cannot be read, so they cannot be put back; no speed or torque is left behind.
+            (Order::Release, Some(_)) => [to.velocity(0.0), to.torque(0.0)].concat(),
+            (Order::Ask | Order::Speed(_) | Order::Torque(_) | Order::Prepare | Order::Release, _) => {
+                Vec::new()
+            }
         };
         lines.extend(to.sample());
         if self.generation() == Generation::Late && self.questions.is_multiple_of(TEMPERATURES_EVERY) {
@@ -79,18 +85,26 @@ impl Drive for OdriveCan {
     }
 
     fn promises(&self) -> [Vec<String>; 2] {
-        let Some(Limits { speed_rad_s, effort, watchdog_s, .. }) = self.limits else {
+        let Some(Limits { speed_rad_s, effort, watchdog_s, commands, .. }) = self.limits else {
             return Default::default();
         };
+        let of_torques = [
+            "Whether the axis limits its speed under a torque cannot be read (`controller.config.enable_torque_mode_vel_limit`, by default on): this computer stops it where it states more than its limit, and without this computer it turns faster until its watchdog acts.",
+            "A torque is a current by the drive's own torque constant: where that is wrong, so is the torque.",
+        ];
+        let of_torques = of_torques.into_iter().filter(|_| commands == Commands::Torques).map(str::to_owned);
         [
             vec![
                 format!("The axis is told a speed limit of {speed_rad_s} rad/s and a current limit of {effort} A; the run ends where it states more."),
-                format!("Its own watchdog is tried at standstill: it is commanded only if that acts within {watchdog_s} s of silence."),
+                format!("Its own watchdog is tried at standstill: it is commanded only if that acts within {watchdog_s} s of silence and two intervals of its heartbeats."),
             ],
             vec![
-                "CAN Simple reads no settings back: whether the axis took these limits is not known, they replace lower ones of its own, and they and the speed mode stay until it is restarted.".into(),
+                "CAN Simple reads no settings back: whether the axis took these limits is not known, they replace lower ones of its own, and they and the mode of control stay until it is restarted.".into(),
                 "A motor that is switched off coasts, by the watchdog as at the end: nothing brakes it, and a weight falls.".into(),
-            ],
+            ]
+            .into_iter()
+            .chain(of_torques)
+            .collect(),
         ]
     }
 }

@@ -59,6 +59,10 @@ impl Live<'_> {
                     offer.kept.clone_from(kept);
                 }
                 self.connected.limits.clone_from(channel_limits);
+                // A torque is drawn in another unit than a speed, in a chart that begins anew.
+                let command = following.device.channels().last().cloned();
+                self.connected.channels.pop();
+                self.connected.channels.extend(command);
                 self.tell(self.connected.news());
                 self.armed = Some(Armed { following, plan });
                 self.tell_drive(State::Armed);

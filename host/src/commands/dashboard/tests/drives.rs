@@ -95,7 +95,7 @@ fn connected(mut window: Window) -> Window {
     until(&mut window, "the drive", |window| state(window) == Some(State::Idle));
     let run = &mut window.state_mut().workspace.drive;
     run.set_speed(15.0);
-    run.torque_nm = 0.5;
+    run.set_effort(socam_workbench::device::Effort::Torque, 0.5);
     run.choose("sine").unwrap();
     let mut settings = run.signal.settings.clone();
     let SignalShape::Other(_, file) = &mut settings.kind else { panic!() };
