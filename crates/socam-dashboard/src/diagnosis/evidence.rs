@@ -205,7 +205,7 @@ fn time(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<See
             }
         });
         shown.response.labelled_by(label.id);
-        legend(ui, choice.sides, "grey: noise, ±1 standard deviation");
+        legend(ui, choice.sides, "grey: noise, ±1 std");
     });
     let Some(trace) = recording.channels.get(*choice.channel).or(recording.channels.first()) else { return };
     let size = vec2(ui.available_width(), ui.available_height().max(120.0));

@@ -39,7 +39,7 @@ impl Spectra {
         let x = range_of(ends).unwrap_or([0.1, 500.0]);
         let how = sources.iter().zip(&found).filter_map(|(source, found)| {
             let spectra = found.as_ref()?.as_ref().ok()?.iter().flatten().next()?;
-            Some((source.name, densities::remark(spectra, settings) + &source.part.words()))
+            Some((source.name, source.part.words() + &densities::remark(spectra, settings)))
         });
         remarks(ui, &how.collect::<Vec<_>>());
         let has_failed = found.iter().any(|result| matches!(result, Some(Err(_))));
