@@ -78,7 +78,7 @@ const CASES: [(&[&str], &[&str], Ends); 14] = [
         Found(0.02, &["2 gaps", "torque_out is saturated", "torque_in has outliers in 3 places"]),
     ),
     (&["constant", "multisine"], &["reversals"], Found(0.01, &["torque_in never changes and was left out"])),
-    (&["steps"], &[], Found(0.01, &["no recording was held out, so that nothing here is proven"])),
+    (&["steps"], &[], Found(0.01, &["no recording was held out, so that nothing here is confirmed"])),
     (&["multisine@0..1"], &["reversals@0..1"], Says("missing_physics", "At load")),
     (&["multisine"], &["still"], Says("missing_physics", "At load bearing")),
     (&["constant"], &[], Refused(1, &["torque_in never changes in any recording", "connected"])),

@@ -13,7 +13,7 @@ mod right;
 mod ruler;
 mod wheel;
 
-use egui::{Align2, Color32, FontId, Rect, Response, Role, Ui, WidgetInfo};
+use egui::{Align2, Color32, FontId, Rect, Response, Role, Ui, WidgetInfo, vec2};
 
 pub use super::curve::{Curve, Flag, Scale};
 pub use super::numbers::range_of;
@@ -221,7 +221,10 @@ impl Chart {
         }
         if self.is_empty() {
             let font = FontId::proportional(12.5);
-            painter.text(frame.center(), Align2::CENTER_CENTER, self.when_empty, font, theme::weak(ui));
+            let words = painter.layout_no_wrap(self.when_empty.to_owned(), font, theme::weak(ui));
+            let place = Align2::CENTER_CENTER.anchor_size(frame.center(), words.size());
+            painter.rect_filled(place.expand2(vec2(4.0, 1.0)), 2.0, ui.visuals().extreme_bg_color);
+            painter.galley(place.min, words, theme::weak(ui));
         }
         let title = self.title.clone();
         answer.response.widget_info(|| WidgetInfo::labeled(Role::Figure, true, format!("Chart {title}")));

@@ -32,10 +32,10 @@ pub fn rough(value: f64) -> String {
     plain(&words::rough(value))
 }
 
-/// `1.2×10⁻⁷` as `1.2e-7`. Raised digits of units stay.
+/// `1.2×10⁻⁷` as `1.2e-7`, and names without the backticks that mark them in a terminal. Raised digits of units stay.
 #[must_use]
 pub fn plain(text: &str) -> String {
-    let text = text.replace("< 10⁻", "< 1×10⁻");
+    let text = text.replace("< 10⁻", "< 1×10⁻").replace('`', "");
     let mut parts = text.split("×10");
     let mut out = parts.next().unwrap_or_default().to_owned();
     for part in parts {
@@ -50,14 +50,31 @@ pub fn plain(text: &str) -> String {
 /// Five digits.
 #[must_use]
 pub fn number(value: f64) -> String {
+    significant(value, 5)
+}
+
+/// So many digits, at least one.
+#[must_use]
+pub fn significant(value: f64, digits: u8) -> String {
     if value == 0.0 {
         return "0".into();
     }
+    let behind = digits.saturating_sub(1);
     if !(1e-3..1e6).contains(&value.abs()) {
-        return format!("{value:.4e}");
+        return format!("{value:.0$e}", usize::from(behind));
     }
-    let digits = (4.0 - value.abs().log10().floor()).clamp(0.0, 8.0) as usize;
+    let digits = (f64::from(behind) - value.abs().log10().floor()).clamp(0.0, 8.0) as usize;
     format!("{value:.digits$}")
+}
+
+/// Five digits, without zeros at the end that say nothing.
+#[must_use]
+pub fn trimmed(value: f64) -> String {
+    let text = number(value);
+    if text.contains('e') || !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// A raised sign or digit as it stands on the line.
@@ -79,6 +96,15 @@ pub fn range_of(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn digits_are_counted_from_the_first_that_is_not_zero() {
+        assert_eq!(
+            [0.0663, 0.0099, 1.5e-4].map(|value| significant(value, 3)),
+            ["0.0663", "0.00990", "1.50e-4"]
+        );
+        assert_eq!([1000.0, 7.999, -0.02].map(trimmed), ["1000", "7.999", "-0.02"]);
+    }
 
     #[test]
     fn exponents_stand_on_the_line_and_units_stay_raised() {

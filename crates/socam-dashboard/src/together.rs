@@ -4,8 +4,14 @@ use egui::{InnerResponse, TextStyle, Ui, WidgetText};
 
 /// Makes a row, of which the next widget is the first one, as high as a button: a label that begins it stands at the height of the others.
 pub(crate) fn level(ui: &mut Ui) {
+    let height = row_height(ui);
+    ui.set_row_height(height);
+}
+
+/// Height of a row with buttons, points.
+pub(crate) fn row_height(ui: &Ui) -> f32 {
     let height = ui.text_style_height(&TextStyle::Button) + 2.0 * ui.spacing().button_padding.y;
-    ui.set_row_height(height.max(ui.spacing().interact_size.y));
+    height.max(ui.spacing().interact_size.y)
 }
 
 /// Room that a control of so many points and its label take in a row; begins a new row where the rest of this one is narrower.

@@ -114,7 +114,7 @@ fn cautions(inputs: &Inputs<'_>, findings: &[Finding]) -> Vec<String> {
         _ => "each recording was left out in turn",
     };
     match inputs.held_out {
-        Outcome::NothingHeldOut if !findings.is_empty() => all.push(format!("no recording was held out, so that nothing here is proven: findings rest on cross-validation ({how}); hold one out")),
+        Outcome::NothingHeldOut if !findings.is_empty() => all.push(format!("no recording was held out, so that nothing here is confirmed: findings rest on cross-validation ({how}); hold one out")),
         Outcome::Unusable(why) => all.push(format!("the held-out recordings prove nothing: {why}; findings rest on cross-validation ({how})")),
         _ => {}
     }
@@ -156,7 +156,7 @@ fn held_out(inputs: &Inputs<'_>) -> Option<HeldOut> {
     let proof = match inputs.held_out {
         Outcome::NothingHeldOut => return None,
         Outcome::Unusable(_) => {
-            let sentence = "Not proven: the held-out recordings could not be used.";
+            let sentence = "Not confirmed: the held-out recordings could not be used.";
             return Some(HeldOut { outcome: ProofOutcome::Unusable, sentence: sentence.into() });
         }
         Outcome::Predicted(proof) => proof,

@@ -37,17 +37,17 @@ impl<'d> Proof<'d> {
     pub fn sentence(&self) -> &'d str {
         match self {
             Self::Holds => {
-                "Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse."
+                "Confirmed on held-out recordings: the corrected model predicts them better than the base model, and no channel worse."
             }
             Self::Failed(sentence) | Self::Unusable(sentence) => sentence,
             Self::NothingToTry => {
-                "Not proven: there is no corrected model to try on the held-out recordings."
+                "Not confirmed: there is no corrected model to try on the held-out recordings."
             }
             Self::NothingHeldOut(Validation::Blocks) => {
-                "Not proven: nothing was held out. Models were compared with parts of the data left out in turn."
+                "Not confirmed: nothing was held out. Models were compared with parts of the data left out in turn."
             }
             Self::NothingHeldOut(_) => {
-                "Not proven: nothing was held out. Models were compared with each recording left out in turn."
+                "Not confirmed: nothing was held out. Models were compared with each recording left out in turn."
             }
         }
     }
@@ -80,7 +80,7 @@ mod tests {
     fn no_figure_stands_beside_a_sentence_that_denies_it() {
         let example: Diagnosis = serde_json::from_str(include_str!("headline/example.json")).unwrap();
         assert!(example.findings[0].evidence.holdout_gain_percent.is_some());
-        let held_out = |outcome| Some(HeldOut { outcome, sentence: "Not proven: a sentence.".into() });
+        let held_out = |outcome| Some(HeldOut { outcome, sentence: "Not confirmed: a sentence.".into() });
         let cases = [
             (held_out(ProofOutcome::Holds), Validation::Holdout, true),
             (held_out(ProofOutcome::Failed), Validation::Holdout, true),

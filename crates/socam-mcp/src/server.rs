@@ -30,7 +30,7 @@ const DONE: [i32; 2] = [0, 3];
 const INSTRUCTIONS: &str = "\
 socam records and models drivetrains: a motor, couplings, a reducer, sensors, a load. A job goes: `info` (channels, units), `check` (are the \
 recordings fit), `model` (is the model file right; `template` has one to start from), `identify` (parameters with 95 % intervals), `diagnose` \
-(physics that the model lacks, proven on held-out recordings), `design` (what to record next). Keep one recording out of every fit and give it \
+(physics that the model lacks, confirmed on held-out recordings), `design` (what to record next). Keep one recording out of every fit and give it \
 as `holdout`. A value whose interval is null is not determined by the recordings: do not repeat it as known. Verdicts: `adequate` means that \
 nothing material was found at the stated false-alarm rate, `unexplained` that the model misses something without a name, `not_judged` that \
 nothing was judged. All values are in SI units.";

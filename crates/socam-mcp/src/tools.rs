@@ -140,7 +140,7 @@ pub(crate) const TOOLS: &[Tool] = &[
             argument(
                 "holdout",
                 Takes::Flagged("--holdout"),
-                "Held-out recordings, read after the last choice, on which the answer is proven",
+                "Held-out recordings, read after the last choice, on which the answer is tried",
             ),
             WRITE_MODEL,
             argument("report", Takes::Written("--report"), REPORT),

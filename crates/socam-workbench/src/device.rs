@@ -95,7 +95,11 @@ impl Source {
     /// What is done with it, and that it is not commanded.
     #[must_use]
     pub fn words(&self) -> &'static str {
-        if self.is_asked { "asked only: no command leaves" } else { "heard only: no command leaves" }
+        if self.is_asked {
+            "asked for samples only: no commands are sent"
+        } else {
+            "receive only: no commands are sent"
+        }
     }
 }
 

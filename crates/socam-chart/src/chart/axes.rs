@@ -155,7 +155,7 @@ pub(super) fn decade(mark: GridMark) -> String {
     let power = (mark.value + 1e-9).floor();
     let digit = 10_f64.powf(mark.value - power).round();
     match power as i32 {
-        power @ -3..=4 => {
+        power @ -4..=4 => {
             format!("{digit}e{power}").parse().map_or_else(|_| String::new(), |value: f64| value.to_string())
         }
         power => format!("{digit}e{power}"),

@@ -134,7 +134,7 @@ impl Chart {
     /// The horizontal and the vertical axis with their numbers, for a plot of this width with so wide numbers.
     fn axes(&self, [width, axis_width]: [f32; 2]) -> [AxisHints<'static>; 2] {
         let (scales, apart) = (self.scales, self.numbers_apart());
-        let spacing = apart.map(|least: f32| egui::Rangef::new(least - 0.1, least));
+        let spacing = apart.map(|least: f32| egui::Rangef::new(least - 0.1, least - 0.0999));
         // The last number is left out near the right end: it would be cut off, or touch the numbers of the next chart.
         let length = width - axis_width;
         let below = move |mark: GridMark, range: &RangeInclusive<f64>| {

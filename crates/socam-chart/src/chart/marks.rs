@@ -1,7 +1,9 @@
 //! Contents of a chart: lines, markers, bands, flags and the title.
 
 use egui::text::{LayoutJob, TextWrapping};
-use egui::{Color32, FontId, Painter, Rangef, Rect, Shape, Stroke, Ui, pos2, vec2};
+use std::sync::Arc;
+
+use egui::{Color32, FontId, Galley, Painter, Rangef, Rect, Shape, Stroke, Ui, pos2, vec2};
 use egui_plot::{MarkerShape, PlotPoint, PlotPoints, PlotTransform, Points};
 
 use super::TITLE_STRIP;
@@ -126,20 +128,42 @@ pub(super) fn title(ui: &Ui, painter: &Painter, frame: Rect, text: &str) {
     // In a narrow chart the title is set in smaller letters, so that it is not cut off.
     let narrow = whole.size().x > room;
     let galley = if narrow { galley((size * room / whole.size().x).max(SMALLEST_TITLE)) } else { whole };
-    // What is too long even so ends in dots.
-    let galley = if galley.size().x > room + 1.0 {
-        let font = FontId::proportional(SMALLEST_TITLE);
-        let mut job = LayoutJob::simple_singleline(text.to_owned(), font, ui.visuals().text_color());
-        job.wrap = TextWrapping::truncate_at_width(room.max(1.0));
-        painter.layout_job(job)
-    } else {
-        galley
-    };
+    let galley = if galley.size().x > room + 1.0 { elided(ui, painter, text, room) } else { galley };
     let at = frame.left_top() + vec2(7.0, 5.0);
     let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.85);
     painter.rect_filled(Rect::from_min_size(at, galley.size()).expand2(vec2(4.0, 2.0)), 3.0, ground);
     painter.galley(at, galley, ui.visuals().text_color());
 }
+
+/// A title that is too long even in small letters: its name ends in dots, and its unit, which stands behind the last comma, stays.
+fn elided(ui: &Ui, painter: &Painter, text: &str, room: f32) -> Arc<Galley> {
+    let cut = |name: &str, room: f32| {
+        let font = FontId::proportional(SMALLEST_TITLE);
+        let mut job = LayoutJob::simple_singleline(name.to_owned(), font, ui.visuals().text_color());
+        job.wrap = TextWrapping::truncate_at_width(room.max(1.0));
+        painter.layout_job(job)
+    };
+    let Some((name, unit)) = text.rsplit_once(", ") else { return cut(text, room) };
+    let mut rest = name;
+    let with_unit = |rest: &str| {
+        let font = FontId::proportional(SMALLEST_TITLE);
+        painter.layout_no_wrap(format!("{}..., {unit}", rest.trim_end()), font, ui.visuals().text_color())
+    };
+    loop {
+        let galley = with_unit(rest);
+        if galley.size().x <= room {
+            return galley;
+        }
+        match rest.char_indices().next_back() {
+            Some((end, _)) if end >= LEAST_NAME => rest = &rest[..end],
+            // A chart too narrow for name and unit.
+            _ => return cut(text, room),
+        }
+    }
+}
+
+/// Bytes of its name that a title keeps before its unit.
+const LEAST_NAME: usize = 4;
 
 /// Greatest number of rows of flag texts, and of letters in each; the full texts are shown at the pointer.
 const WORD_ROWS: usize = 2;

@@ -3,18 +3,18 @@
 use egui::{Color32, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use socam_recording::check::{Check, Finding, Severity, Verdict};
 
-use socam_chart::numbers::number;
+use socam_chart::numbers::{plain, trimmed};
 use socam_chart::table::{self, Key};
 use socam_chart::theme;
 use socam_workbench::recording::{Recording, short};
 
 pub(super) const COLUMNS: [table::Column; 8] = [
     table::text("", 18.0),
-    table::text("recording", 220.0),
-    table::text("verdict", 190.0),
-    table::number("rows", 80.0),
-    table::number("duration, s", 84.0),
-    table::number("rate, Hz", 76.0),
+    table::text("recording", 200.0),
+    table::text("verdict", 200.0),
+    table::number("rows", 64.0),
+    table::number("duration, s", 76.0),
+    table::number("rate, Hz", 66.0),
     table::number("findings", 66.0),
     table::text("worst finding", 200.0),
 ];
@@ -87,7 +87,7 @@ impl<'a> Row<'a> {
             Some(Err(_)) => ("not checked", 4.0, Sign::Cross),
             Some(Ok(check)) => match check.verdict {
                 Verdict::Fit => ("fit for use", 0.0, Sign::Tick),
-                Verdict::FitWithReservations => ("fit for use, with reservations", 1.0, Sign::Mark),
+                Verdict::FitWithReservations => ("fit with reservations", 1.0, Sign::Mark),
                 Verdict::Unfit => ("not fit for use", 2.0, Sign::Cross),
             },
         }
@@ -114,7 +114,7 @@ impl<'a> Row<'a> {
 
     /// Draws a cell; true where the row was pressed to unfold or to fold it.
     pub(super) fn cell(&self, ui: &mut Ui, column: usize, is_open: bool) -> bool {
-        let text = |value: Option<f64>| RichText::new(value.map_or("-".into(), number)).monospace();
+        let text = |value: Option<f64>| RichText::new(value.map_or("-".into(), trimmed)).monospace();
         let label = |ui: &mut Ui, text: RichText| {
             ui.add(egui::Label::new(text).truncate().sense(Sense::click())).clicked()
         };
@@ -140,7 +140,7 @@ impl<'a> Row<'a> {
             5 => label(ui, text(self.rate_hz)),
             6 if self.check.is_none() => label(ui, RichText::new("-")),
             6 => label(ui, RichText::new(self.findings().len().to_string()).monospace()),
-            _ => label(ui, RichText::new(self.worst()).color(theme::weak(ui))),
+            _ => label(ui, RichText::new(plain(&self.worst())).color(theme::weak(ui))),
         }
     }
 
@@ -158,8 +158,8 @@ impl<'a> Row<'a> {
                 Severity::Weakens => ("weakens a fit", theme::alarm(ui)),
                 Severity::Note => ("note", theme::weak(ui)),
             };
-            ui.label(RichText::new(format!("{word}: {}", finding.sentence())).color(colour));
-            ui.label(RichText::new(format!("instead: {}", finding.remedy())).small());
+            ui.label(RichText::new(format!("{word}: {}", plain(&finding.sentence()))).color(colour));
+            ui.label(RichText::new(format!("instead: {}", plain(&finding.remedy()))).small());
         }
     }
 }

@@ -42,7 +42,10 @@ impl CheckOptions {
 
     /// Draws the options, and the command on the open recordings.
     pub(crate) fn ui(&mut self, ui: &mut Ui, model: &Model, entries: &[Entry]) {
-        ui.horizontal_wrapped(|ui| self.0.ui(ui));
+        ui.horizontal_wrapped(|ui| {
+            crate::together::level(ui);
+            self.0.ui(ui)
+        });
         if let Err(problem) = self.0.settings() {
             return drop(ui.label(RichText::new(problem).color(theme::alarm(ui))));
         }

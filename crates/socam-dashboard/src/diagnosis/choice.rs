@@ -13,7 +13,7 @@ pub(super) fn ui(ui: &mut Ui, over: &mut Over, sides: &mut Sides) {
         // The switch is not broken over two lines.
         let names = [(Sides::Before, "before"), (Sides::After, "after"), (Sides::Both, "both")];
         let margin = ui.max_rect().left();
-        ui.allocate_ui(egui::vec2(SWITCH, ui.spacing().interact_size.y), |ui| {
+        ui.allocate_ui(egui::vec2(SWITCH, crate::together::row_height(ui)), |ui| {
             ui.horizontal(|ui| {
                 // At the beginning of a line it has nothing to be separated from.
                 if ui.max_rect().left() > margin + 1.0 {

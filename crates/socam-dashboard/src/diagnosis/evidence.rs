@@ -50,9 +50,13 @@ fn colours(ui: &Ui) -> [Color32; 2] {
 /// One chart per output channel, side by side.
 fn over(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<Seen>) {
     let count = evidence.channels.len().max(1) as f32;
-    let size =
-        vec2((ui.available_width() - 8.0 * (count - 1.0)) / count, (ui.available_height() - 22.0).max(120.0));
-    legend(ui, choice.sides);
+    let noise = if choice.over == Over::Frequency {
+        "grey: noise"
+    } else {
+        "grey: noise of single samples, ±1 standard deviation; ribbons: ±2 standard errors of the mean"
+    };
+    ui.horizontal_wrapped(|ui| legend(ui, choice.sides, noise));
+    let size = vec2((ui.available_width() - 8.0 * (count - 1.0)) / count, ui.available_height().max(120.0));
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
         for channel in &evidence.channels {
@@ -65,18 +69,17 @@ fn over(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<See
     });
 }
 
-fn legend(ui: &mut Ui, sides: Sides) {
-    ui.horizontal(|ui| {
-        let [before, after] = colours(ui);
-        let texts = [
-            (sides != Sides::After, "before: the model as it was", before),
-            (sides != Sides::Before, "after: with the findings added", after),
-            (true, "grey: noise", theme::weak(ui)),
-        ];
-        for (_, text, colour) in texts.into_iter().filter(|(on, ..)| *on) {
-            ui.label(RichText::new(text).small().color(colour));
-        }
-    });
+/// What the colours are, in a row; `noise` says what is grey.
+fn legend(ui: &mut Ui, sides: Sides, noise: &str) {
+    let [before, after] = colours(ui);
+    let texts = [
+        (sides != Sides::After, "before: the model as it was", before),
+        (sides != Sides::Before, "after: with the findings added", after),
+        (true, noise, theme::weak(ui)),
+    ];
+    for (_, text, colour) in texts.into_iter().filter(|(on, ..)| *on) {
+        ui.label(RichText::new(text).small().color(colour));
+    }
 }
 
 fn binned(
@@ -88,12 +91,12 @@ fn binned(
 ) {
     let rotates = choice.motion == Motion::Rotation;
     let (binned, axis, unit) = match choice.over {
-        Over::Angle if rotates => (&channel.over_angle, "angle of the turn", "rad"),
-        Over::Angle => (&channel.over_angle, "position", "m"),
-        Over::Torque if rotates => (&channel.over_torque, "torque", "N m"),
-        Over::Torque => (&channel.over_torque, "force", "N"),
-        _ if rotates => (&channel.over_speed, "speed", "rad/s"),
-        _ => (&channel.over_speed, "speed", "m/s"),
+        Over::Angle if rotates => (&channel.over_angle, "angle at the channel within one turn", "rad"),
+        Over::Angle => (&channel.over_angle, "position at the channel", "m"),
+        Over::Torque if rotates => (&channel.over_torque, "torque at the channel", "N m"),
+        Over::Torque => (&channel.over_torque, "force at the channel", "N"),
+        _ if rotates => (&channel.over_speed, "speed at the channel", "rad/s"),
+        _ => (&channel.over_speed, "speed at the channel", "m/s"),
     };
     let (x, y) = (shown_in(choice.units, "", unit), shown_in(choice.units, &channel.name, &channel.unit));
     let title = format!("{}: mean residual, {}", channel.name, y.unit);
@@ -174,7 +177,8 @@ fn time(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<See
     let Some(recording) = evidence.recordings.get(*choice.recording).or(evidence.recordings.first()) else {
         return;
     };
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
+        crate::together::level(ui);
         let label = ui.label("recording");
         let name = |index: usize| {
             let own = &evidence.recordings[index];
@@ -201,7 +205,7 @@ fn time(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<See
             }
         });
         shown.response.labelled_by(label.id);
-        legend(ui, choice.sides);
+        legend(ui, choice.sides, "grey: noise, ±1 std");
     });
     let Some(trace) = recording.channels.get(*choice.channel).or(recording.channels.first()) else { return };
     let size = vec2(ui.available_width(), ui.available_height().max(120.0));
@@ -250,8 +254,10 @@ fn shapes(ui: &mut Ui, diagnosis: &Diagnosis, units: &DisplayUnits, seen: &mut V
         ui.spacing_mut().item_spacing.x = 8.0;
         for (number, finding, curve) in curves {
             let (x, y) = (shown_in(units, "", &curve.unit), shown_in(units, "", &curve.torque_unit));
-            let title =
-                format!("{number}. {} at {}: what is missing, {}", finding.effect, finding.location, y.unit);
+            let title = format!(
+                "{number}. {} at {}: what is missing, band: ±2 standard deviations, {}",
+                finding.effect, finding.location, y.unit
+            );
             let mut chart = Chart::new(("shape", number), title, size);
             let over = match curve.over {
                 CurveOver::Speed => "speed",
@@ -273,9 +279,11 @@ fn shapes(ui: &mut Ui, diagnosis: &Diagnosis, units: &DisplayUnits, seen: &mut V
                 .zip(&curve.torque_std)
                 .map(|([x, y], std)| [*x, y - 2.0 * value(std), y + 2.0 * value(std)]);
             let colour = theme::alarm(ui);
-            chart.bands.push((band.collect(), colour.gamma_multiply(0.22)));
+            let band: Vec<[f64; 3]> = band.collect();
+            let reached: Vec<f64> = band.iter().flat_map(|[_, low, high]| [*low, *high]).collect();
+            chart.bands.push((band, colour.gamma_multiply(0.22)));
             chart.x = range_of(points.iter().map(|point| point[0])).map_or([0.0, 1.0], with_room);
-            chart.y = chart.fitted(range_of(points.iter().map(|point| point[1]).chain([0.0])));
+            chart.y = chart.fitted(range_of(points.iter().map(|point| point[1]).chain(reached).chain([0.0])));
             let parts = thinned(&points, usize::MAX / 4);
             chart.curves.push(Curve { name: finding.effect.clone(), colour, parts, style: Style::Dotted });
             chart.show(ui, seen);

@@ -70,7 +70,7 @@ impl ViewPanel for DiagnosisPage {
             ),
             (
                 "over speed; over angle; over torque; over frequency; over time; recording; channel",
-                "where the model and the recordings part: residuals of every channel, or over time of one of them",
+                "where the model and the recordings disagree: residuals of every channel, or over time of one of them",
             ),
             (
                 "measured and predicted",
@@ -206,14 +206,15 @@ impl DiagnosisPage {
             evidence::ui(ui, diagnosis, evidence.as_ref(), view, seen);
         };
         if is_low {
-            // All of it below each other, the place of the finding first.
+            // All of it below each other, the charts first: the drawing would push them out of sight.
             ScrollArea::vertical().id_salt("pictures").auto_shrink(false).show(ui, |ui| {
                 banner::banner(ui, diagnosis);
-                drawing::bench(ui, model, diagnosis, selected, scrolled);
                 ui.allocate_ui(egui::vec2(ui.available_width(), LEAST_CHART), |ui| {
                     ui.set_max_height(LEAST_CHART);
                     charts(ui);
                 });
+                ui.add_space(4.0);
+                drawing::bench(ui, model, diagnosis, selected, scrolled);
             });
             return;
         }
@@ -231,5 +232,4 @@ const LEAST_PICTURE: f32 = 330.0;
 /// Height of the charts on a page that is scrolled, points.
 const LEAST_CHART: f32 = 290.0;
 
-const EMPTY: &str =
-    "Drop the diagnosis.json of a report here. The drawing then shows where model and recordings part.";
+const EMPTY: &str = "Drop the diagnosis.json of a report here. The drawing then shows where the model and the recordings disagree.";

@@ -3,7 +3,7 @@
 use egui::{Frame, Label, Margin, RichText, ScrollArea, Sense, Stroke, Ui, vec2};
 
 use socam_chart::numbers;
-use socam_chart::numbers::number;
+use socam_chart::numbers::significant;
 use socam_chart::table::{self, Key, Table};
 use socam_chart::theme;
 use socam_workbench::identification::{ChannelFit, Fit, Identification, Parameter, known};
@@ -13,7 +13,7 @@ const COLUMNS: [table::Column; 6] = [
     table::number("value", 84.0),
     table::number("95 % interval", 176.0),
     table::text("unit", 74.0),
-    table::text("", 112.0),
+    table::text("interval, ±50 %", 112.0),
     table::text("what is known", 160.0),
 ];
 
@@ -44,7 +44,7 @@ pub(super) fn ui(ui: &mut Ui, shown: &Identification) -> bool {
         }
     }
     ui.add_space(8.0);
-    fit(ui, "Fit, the model running free", &shown.fit, &shown.fit);
+    fit(ui, "Fit of the free-running simulation", &shown.fit, &shown.fit);
     for held_out in &shown.validation {
         ui.add_space(8.0);
         fit(ui, &format!("Held out, not fitted: {}", held_out.recording), &held_out.fit, &shown.fit);
@@ -87,7 +87,7 @@ fn parameters(ui: &mut Ui, shown: &Identification) {
     let key = |parameter: &&Parameter, column: usize| match column {
         0 => parameter.name.as_str().into(),
         1 => parameter.value.into(),
-        2 => relative(parameter).into(),
+        2 | 4 => relative(parameter).into(),
         3 => parameter.unit.as_str().into(),
         _ => Key::from(known(parameter).as_str()),
     };
@@ -163,9 +163,9 @@ fn fit(ui: &mut Ui, title: &str, fit: &Fit, fitted: &Fit) {
         Table::new(title, &FIT).show(ui, &rows, key, |ui, (name, channel), column| {
             let text = match column {
                 0 => return drop(ui.label(name.as_str())),
-                1 => number(channel.rms),
+                1 => significant(channel.rms, 4),
                 2 if noise(name).is_nan() => "-".into(),
-                2 => number(noise(name)),
+                2 => significant(noise(name), 4),
                 _ => format!("{:.3} %", channel.vaf_percent),
             };
             ui.label(RichText::new(text).monospace());

@@ -70,8 +70,13 @@ pub(super) fn choice(ui: &mut Ui, channel: &Channel, columns: &[String]) -> Opti
         return None;
     }
     let mut chosen = channel.column.clone();
+    let shown = if columns.contains(&chosen) {
+        RichText::new(&chosen)
+    } else {
+        RichText::new(format!("{chosen}, not there")).color(theme::alarm(ui))
+    };
     let list =
-        ComboBox::from_id_salt(("column of", &channel.name)).width(200.0).selected_text(&chosen).truncate();
+        ComboBox::from_id_salt(("column of", &channel.name)).width(200.0).selected_text(shown).truncate();
     let list = list.show_ui(ui, |ui| {
         for column in columns {
             ui.selectable_value(&mut chosen, column.clone(), column);

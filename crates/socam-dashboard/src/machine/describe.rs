@@ -27,6 +27,10 @@ pub(super) fn ui(ui: &mut Ui, form: &mut NewModel, workspace: &mut Workspace, is
     field(ui, "Measured", &mut form.words.measures, 2);
     under(ui, form, Field::Measures);
     form.update();
+    if let (Some(_), Some(_)) = form.model() {
+        let text = "Drawn are the last words that were understood.";
+        ui.add(Label::new(RichText::new(text).small().color(theme::weak(ui))).wrap());
+    }
     columns(ui, form, workspace);
     let is_left = buttons(ui, form, workspace);
     ui.add_space(4.0);

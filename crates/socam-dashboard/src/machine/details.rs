@@ -1,7 +1,7 @@
 //! What an element has: parameters to change, intervals, channels, and what it does at this moment.
 
 use egui::{DragValue, Label, RichText, Role, Ui, WidgetInfo};
-use socam_chart::numbers::{interval, number};
+use socam_chart::numbers::{interval, number, trimmed};
 use socam_chart::theme;
 use socam_model::drawing::{Drawing, Place, Style};
 use socam_model::{Model, Motion as Kind};
@@ -120,7 +120,7 @@ impl Editor {
             let pending = self.pending.as_ref().filter(|(own, _)| own == name).map(|(_, value)| *value);
             let mut value = pending.unwrap_or(known);
             let speed = (0.01 * value.abs()).max(1e-9);
-            let field = DragValue::new(&mut value).speed(speed).custom_formatter(|value, _| editable(value));
+            let field = DragValue::new(&mut value).speed(speed).custom_formatter(|value, _| trimmed(value));
             let field = ui.add(field.update_while_editing(false));
             let said = format!("Value of {name}");
             field.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, &said));
@@ -154,15 +154,6 @@ impl Editor {
         ui.add_space(3.0);
         change
     }
-}
-
-/// A value in its field: as in the file, without zeros that say nothing.
-fn editable(value: f64) -> String {
-    let text = number(value);
-    if text.contains('e') || !text.contains('.') {
-        return text;
-    }
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// What an element does at this moment.

@@ -144,7 +144,7 @@ impl Player {
             }
             keep(ui, "Speed", 150.0);
             let label = ui.label("Speed");
-            let slider = Slider::new(&mut self.speed, SPEEDS).logarithmic(true).suffix("×").max_decimals(2);
+            let slider = Slider::new(&mut self.speed, SPEEDS).logarithmic(true).suffix("×").fixed_decimals(2);
             ui.add(slider).labelled_by(label.id);
             if motions.known().is_none_or(|motion| motion.rotates) {
                 self.scales(ui, motions.known());

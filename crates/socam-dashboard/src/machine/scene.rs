@@ -150,7 +150,10 @@ impl Scene<'_> {
         }
         let frame = Stroke::new(1.0, theme::grid(ui));
         shapes.push(Shape::Rect(RectShape::stroke(bar, 0.0, frame, StrokeKind::Outside)));
-        let text = format!("{}, 0 to {largest}", self.colouring.name());
+        let name = self.colouring.name();
+        // A misfit is a size already; torque and power have signs, which the colours do not show.
+        let name = if self.colouring == Colouring::Misfit { name.to_owned() } else { format!("|{name}|") };
+        let text = format!("{name}, 0 to {largest}");
         let at = pos2(bar.right() + 8.0, y);
         shapes.push(ui.fonts_mut(|fonts| Shape::text(fonts, at, Align2::LEFT_CENTER, text, font, ink)));
     }

@@ -41,8 +41,12 @@ pub(super) fn panel(review: &Review, ui: &mut Ui, entries: &[Entry], signals: &[
                 rows.iter().map(|row| row.texts.iter().cloned().chain(row.values.map(text_of)).collect());
             copy_button(ui, &COLUMNS[1..], lines);
         });
-        Table::new("cursor values", &COLUMNS)
-            .show(ui, &rows, Row::key, |ui, row, column| row.cell(ui, column));
+        // A narrow window is scrolled sideways.
+        egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
+            ui.set_min_width(COLUMNS.iter().map(|column| column.width + 8.0).sum());
+            Table::new("cursor values", &COLUMNS)
+                .show(ui, &rows, Row::key, |ui, row, column| row.cell(ui, column));
+        });
     });
 }
 

@@ -71,7 +71,7 @@ impl Form {
                 names.push(&signal.name);
             }
         }
-        egui::Grid::new("derived channel").num_columns(2).show(ui, |ui| {
+        egui::Grid::new("derived channel").num_columns(2).min_col_width(66.0).show(ui, |ui| {
             let label = ui.label("operation");
             let chosen = ComboBox::from_id_salt("operation")
                 .width(260.0)
@@ -106,7 +106,7 @@ impl Form {
             }
         });
         if self.operation == Operation::Formula {
-            self.written.fields(ui, signals);
+            return self.written.fields(ui, signals);
         }
         ui.add(
             egui::Label::new(RichText::new(self.operation.sentence()).small().color(theme::weak(ui))).wrap(),

@@ -82,9 +82,9 @@ pub(super) fn copy_button(ui: &mut Ui, columns: &[Column], lines: impl Iterator<
 /// Six digits.
 pub(super) fn text_of(value: Option<f64>) -> String {
     let Some(value) = value else { return "no sample".into() };
-    if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
+    if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
         return format!("{value:.5e}");
     }
-    let digits = (5.0 - value.abs().max(1e-4).log10().floor()).clamp(0.0, 9.0) as usize;
+    let digits = (5.0 - value.abs().max(1e-3).log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.digits$}")
 }

@@ -16,7 +16,7 @@ pub(super) fn ui(ui: &mut Ui, workspace: &Workspace) -> Option<Request> {
     chart::empty_state(
         ui,
         "No recording is open",
-        "Drop recordings here, or press Ctrl+O. Several can be open at a time: each gets its own colour. A table of numbers opens as it is; its units can be set afterwards.",
+        "Drop recordings here, or press Ctrl+O. Several can be open at a time: they differ by colour, and from the ninth on by marks. A table of numbers opens as it is; its units can be set afterwards.",
     );
     ui.vertical_centered(|ui| {
         ui.add_space(10.0);

@@ -42,7 +42,7 @@ impl Review {
             rows(&drawing.drawn, (drawing.entries, &self.units), |samples, channel, shift_s, per_si| {
                 statistics((samples, channel), range.map(|time| time - shift_s), per_si)
             });
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("Statistics").strong());
             let text = format!("{what}, {:.6} s .. {:.6} s", range[0], range[1]);
             ui.label(RichText::new(text).small().color(theme::weak(ui)));

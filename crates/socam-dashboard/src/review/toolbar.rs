@@ -5,6 +5,7 @@ use egui::{Button, Key, RichText, TextStyle, Ui};
 use super::notes::Notes;
 use super::plots::Plots;
 use super::{Entry, Review, Signal, Views};
+use crate::together::keep;
 use socam_chart::theme;
 use socam_workbench::arrangement::Plot;
 use socam_workbench::purpose::Purpose;
@@ -191,6 +192,7 @@ impl Review {
     }
 
     fn choose_reference(&mut self, ui: &mut Ui, entries: &[Entry]) {
+        keep(ui, "Difference to", 158.0);
         let label = ui.label("Difference to");
         let name = |index: Option<usize>| {
             index.and_then(|i| entries.get(i)).map_or("none", |entry| short(&entry.recording.about.name))

@@ -8,7 +8,7 @@ use crate::together::together;
 
 /// Length of a segment in words.
 pub(crate) fn length_text(length: Option<usize>) -> String {
-    length.map_or_else(|| "by length".to_owned(), |length| format!("{length} samples"))
+    length.map_or_else(|| "auto".to_owned(), |length| format!("{length} samples"))
 }
 
 /// Window, its length, and what is taken off.
@@ -21,7 +21,7 @@ pub(crate) fn window(ui: &mut Ui, settings: &mut SpectrumSettings) {
             }
         })
     });
-    together(ui, "of", 118.0, |ui| {
+    together(ui, "length", 118.0, |ui| {
         let list = ComboBox::from_id_salt("length").selected_text(length_text(settings.length)).width(110.0);
         list.show_ui(ui, |ui| {
             for length in LENGTHS {
@@ -29,7 +29,7 @@ pub(crate) fn window(ui: &mut Ui, settings: &mut SpectrumSettings) {
             }
         })
     });
-    together(ui, "without", 76.0, |ui| {
+    together(ui, "detrend", 76.0, |ui| {
         let list = ComboBox::from_id_salt("detrend").selected_text(off(settings.detrend)).width(68.0);
         list.show_ui(ui, |ui| {
             for detrend in Detrend::ALL {
@@ -47,8 +47,8 @@ pub(crate) fn rows(ui: &mut Ui, settings: &mut SpectrumSettings) {
     });
     // Longer ones would leave few columns of a spectrogram.
     let lengths = &LENGTHS[..6];
-    row(ui, "of", &mut settings.length, lengths, |length| (length_text(length), "Samples of a window"));
-    row(ui, "without", &mut settings.detrend, &Detrend::ALL, |detrend| {
+    row(ui, "length", &mut settings.length, lengths, |length| (length_text(length), "Samples of a window"));
+    row(ui, "detrend", &mut settings.detrend, &Detrend::ALL, |detrend| {
         (off(detrend).to_owned(), taken(detrend))
     });
 }
@@ -104,7 +104,7 @@ fn meaning(window: Window) -> &'static str {
 
 fn off(detrend: Detrend) -> &'static str {
     match detrend {
-        Detrend::Nothing => "-",
+        Detrend::Nothing => "none",
         Detrend::Mean => "mean",
         Detrend::Line => "trend",
     }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use socam_chart::numbers::number;
+use socam_chart::numbers::{significant, trimmed};
 use socam_samples::Samples;
 use socam_spectrum::{Detrend, Spectra, Welch};
 use socam_workbench::job::Handle;
@@ -37,6 +37,12 @@ impl Part {
             range_s,
             settings: SpectrumSettings { scaling: Scaling::default(), in_sight: false, ..settings },
         }
+    }
+
+    /// Words on the range, to be put before others; empty for a whole recording.
+    pub(super) fn words(&self) -> String {
+        let words = |[from, to]: [f64; 2]| format!("{} s to {} s: ", trimmed(from), trimmed(to));
+        self.range_s.map_or_else(String::new, words)
     }
 }
 
@@ -84,19 +90,19 @@ fn starts(runs: &[Range<usize>], length: usize, hop: usize) -> Vec<usize> {
     starts.into_iter().step_by(every).collect()
 }
 
-/// How they were made, how smooth they are, and what they cannot show.
+/// How they were made, how smooth they are, and how fine.
 pub(super) fn remark(spectra: &Spectra, settings: &SpectrumSettings) -> String {
     let removed = match settings.detrend {
         Detrend::Nothing => "",
-        Detrend::Mean => ", their mean taken off",
-        Detrend::Line => ", their straight line taken off",
+        Detrend::Mean => ", mean removed",
+        Detrend::Line => ", straight line removed",
     };
     format!(
-        "{} window of {} s, {} averaged{removed}: lines are {} Hz apart, slower signals do not show",
+        "{} window of {} s, {} averaged{removed}: resolution {} Hz",
         settings.window.name(),
-        number(1.0 / spectra.step_hz()),
+        trimmed(1.0 / spectra.step_hz()),
         socam_plot::words::counted(spectra.segments() as usize, "window", "windows"),
-        number(spectra.step_hz())
+        significant(spectra.step_hz(), 3)
     )
 }
 

@@ -99,13 +99,13 @@ impl ViewPanel for Spectra {
     fn help() -> Help {
         &[
             (
-                "Spectrum; Range in sight; Window; of; without; overlap",
+                "Spectrum; Range in sight; Window; length; detrend; overlap",
                 "spectra by Welch's method: of the whole recording or of what the Time view has in sight; the window and its samples, what is taken off each window (its mean, its straight line), and how far neighbours overlap; spectrograms of the Time view have the same window; all of it is part of the layout",
             ),
             ("density; amplitude; dB", "the level of noise, the amplitude of a sine, or power in decibels"),
             (
                 "Response; output; over input; Magnitude in dB; Band, Hz",
-                "output over input with coherence, as identify --method frf estimates it with the options of that command, and the model's own response; 20 dB are a factor of ten of the magnitude; a response is drawn where the coherence is above the thin grey line",
+                "output over input with coherence, as identify --method frf estimates it with the options of that command, and the model's own response; 20 dB are a factor of ten of the magnitude; a response is drawn where the coherence is above the thin line of its colour",
             ),
             (
                 "Poles and zeros; zeros of; over",

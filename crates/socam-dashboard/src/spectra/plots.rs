@@ -37,9 +37,11 @@ impl Spectra {
         let ends = known().flatten().flatten();
         let ends = ends.flat_map(|own| [own.frequency_hz(1), own.frequency_hz(own.lines() - 1)]);
         let x = range_of(ends).unwrap_or([0.1, 500.0]);
-        if let Some(spectra) = known().flatten().flatten().next() {
-            remark(ui, &densities::remark(spectra, settings));
-        }
+        let how = sources.iter().zip(&found).filter_map(|(source, found)| {
+            let spectra = found.as_ref()?.as_ref().ok()?.iter().flatten().next()?;
+            Some((source.name, source.part.words() + &densities::remark(spectra, settings)))
+        });
+        remarks(ui, &how.collect::<Vec<_>>());
         let has_failed = found.iter().any(|result| matches!(result, Some(Err(_))));
         let height = heights(ui, channels.len());
         ui.spacing_mut().item_spacing.y = 3.0;
@@ -121,7 +123,7 @@ impl Spectra {
             }
             charts[2].curves.push(Curve {
                 name: format!("threshold of {name}"),
-                colour: theme::weak(ui),
+                colour: theme::line(ui, *number),
                 parts: vec![threshold],
                 style: Style::Thin,
             });
@@ -142,7 +144,7 @@ impl Spectra {
         }
         remark(
             ui,
-            "solid: recordings, where the 95 % confidence circle leaves out zero, as it does where the coherence is above the thin grey line; dashed: the model at its file's values",
+            "solid: recordings, where the 95 % confidence circle excludes zero, which is where the coherence is above the thin line of its colour; dashed: the model at its file's values",
         );
         // Several recordings may have the same warning.
         let mut remarks = BTreeSet::new();
@@ -178,7 +180,7 @@ impl Spectra {
                     }
                     0 => over_decades(&chart, values, 1e-6),
                     1 => [-190.0, 190.0],
-                    _ => [-0.05, 1.15],
+                    _ => chart.fitted(Some([0.0, 1.0])),
                 };
                 chart.when_empty = "no response yet";
                 columns.push(chart.show(ui, seen).frame.x_range());
@@ -219,6 +221,17 @@ fn over_decades(chart: &Chart, values: impl Iterator<Item = f64>, least: f64) ->
     let low = low.max(least * high);
     let range = if high < 10.0 * low { [round(low, false), round(high, true)] } else { [low, high] };
     chart.fitted(Some(range))
+}
+
+/// How the spectra were made: in one line, that of the first recording where they differ, with all of them under the pointer.
+fn remarks(ui: &mut Ui, how: &[(&str, String)]) {
+    let Some((name, first)) = how.first() else { return };
+    if how.iter().all(|(_, text)| text == first) {
+        return remark(ui, first);
+    }
+    let all: Vec<String> = how.iter().map(|(name, text)| format!("{name}: {text}")).collect();
+    let text = RichText::new(format!("{name}: {first}; others differ")).small().color(theme::weak(ui));
+    ui.label(text).on_hover_text(all.join("\n"));
 }
 
 fn remark(ui: &mut Ui, text: &str) {

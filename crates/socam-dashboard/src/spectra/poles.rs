@@ -61,7 +61,7 @@ fn table(ui: &mut Ui, modes: &[Mode], zeros: &[Complex<f64>]) {
     egui::Panel::right("modes").exact_size(400.0).show(ui, |ui| {
         ScrollArea::both().show(ui, |ui| {
             Grid::new("modes").striped(true).spacing([18.0, 4.0]).show(ui, |ui| {
-                heads(ui, &["pole, 1/s", "frequency, Hz", "damping ratio"]);
+                heads(ui, &["pole, 1/s", "natural frequency, Hz", "damping ratio"]);
                 for mode in modes {
                     let pole = mode.pole;
                     ui.label(RichText::new(complex(pole.re, pole.im)).monospace());
@@ -71,7 +71,7 @@ fn table(ui: &mut Ui, modes: &[Mode], zeros: &[Complex<f64>]) {
                 }
             });
             Grid::new("zeros").striped(true).spacing([18.0, 4.0]).show(ui, |ui| {
-                heads(ui, &["zero, 1/s", "frequency, Hz"]);
+                heads(ui, &["zero, 1/s", "natural frequency, Hz"]);
                 for zero in zeros.iter().filter(|zero| zero.im >= 0.0) {
                     ui.label(RichText::new(complex(zero.re, zero.im)).monospace());
                     let frequency_hz = zero.norm() / std::f64::consts::TAU;
@@ -95,7 +95,7 @@ fn plane(ui: &mut Ui, poles: Vec<[f64; 2]>, zeros: Vec<[f64; 2]>, seen: &mut Vec
     let omitted = poles.iter().chain(&zeros).filter(|point| !is_near(point)).count();
     // The unit is what stands behind the last comma.
     let farther = if omitted > 0 { format!(", {omitted} farther out") } else { String::new() };
-    chart.title = format!("poles (crosses) and zeros (circles){farther}: imaginary part, rad/s");
+    chart.title = format!("poles (crosses) and zeros (circles){farther}: imaginary part, 1/s");
     let drawn = || poles.iter().chain(&zeros).filter(is_near);
     let reals = drawn().map(|point| point[0]).chain([0.0]);
     chart.x = range_of(reals).map_or([-1.0, 1.0], with_room);

@@ -254,9 +254,9 @@ fn the_window_of_spectra_is_chosen_and_part_of_the_layout() {
     let mut window = with(View::Frequency, 1);
     until(&mut window, "the spectra", |window| !window.state().is_busy());
     window.run_steps(2);
-    window.get_by_label_contains("s, 14 windows averaged, their mean taken off");
+    window.get_by_label_contains("s, 14 windows averaged, mean removed");
     for (list, choice) in
-        [("Window", "flat top"), ("of", "256 samples"), ("without", "trend"), ("overlap", "75 %")]
+        [("Window", "flat top"), ("length", "256 samples"), ("detrend", "trend"), ("overlap", "75 %")]
     {
         click(&mut window, list);
         click(&mut window, choice);
@@ -264,7 +264,7 @@ fn the_window_of_spectra_is_chosen_and_part_of_the_layout() {
     until(&mut window, "the spectra", |window| !window.state().is_busy());
     window.run_steps(2);
     // 4000 samples have 59 windows of 256 that are 64 apart.
-    window.get_by_label_contains("s, 59 windows averaged, their straight line taken off");
+    window.get_by_label_contains("s, 59 windows averaged, straight line removed");
     // A range in sight has fewer.
     window.state_mut().views.time.x = Some([1.0, 1.5115]);
     window.state_mut().workspace.in_sight = Some([1.0, 1.5115]);

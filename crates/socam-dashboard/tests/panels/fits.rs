@@ -68,7 +68,7 @@ fn an_identification_is_set_up_run_used_and_saved() {
     dashboard.layout.folder = folder.path().into();
     let mut window = window(dashboard);
     click(&mut window, "two-mass-2.csv: hold out");
-    click(&mut window, "two-mass-3.csv: no");
+    click(&mut window, "two-mass-3.csv: unused");
     click(&mut window, "Identify parameters");
     until(&mut window, "a fit", |window| !window.state().is_busy());
     window.run_steps(3);
@@ -123,7 +123,7 @@ fn the_range_in_sight_is_fitted() {
     window.run_steps(2);
     click(&mut window, "Fit this range");
     assert_eq!(window.state().layout.view, View::Identify);
-    window.get_by_label("Of each, 0.4 s to 1.2 s");
+    window.get_by_label("0.4 s to 1.2 s of each recording");
     window.get_by_label_contains("run.csv@0.4..1.2 --model two-mass");
     click(&mut window, "Identify parameters");
     until(&mut window, "a fit", |window| !window.state().is_busy());
@@ -134,7 +134,7 @@ fn the_range_in_sight_is_fitted() {
     window.get_by_label("Step Identify: the model explains them");
     // Of the other view, too; a range without samples is refused in a sentence.
     click(&mut window, "Diagnosis");
-    window.get_by_label("Of each, 0.4 s to 1.2 s");
+    window.get_by_label("0.4 s to 1.2 s of each recording");
     window.state_mut().workspace.setup.range_s = Some([5.0, 6.0]);
     window.run_steps(2);
     window.get_by_label_contains("run.csv has no samples between 5 s and 6 s");

@@ -53,25 +53,25 @@ fn lines(diagnosis: &Diagnosis) -> String {
 const TIED: &str = "\
 Missing: Physics is missing: Coulomb friction, at either bearing (motor_bearing or load_bearing)
 1. Coulomb friction, at either bearing (motor_bearing or load_bearing): torque 0.3010 N m (95 % interval 0.2951 to 0.3069), if at motor_bearing
-Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
+Confirmed on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
 These recordings do not tell its explanations apart (weights 51 % and 49 %).";
 
 const ALONE: &str = "\
 Missing: Physics is missing: Coulomb friction at motor_bearing
 1. Coulomb friction at motor_bearing: torque 0.3010 N m (95 % interval 0.2951 to 0.3069)
-Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
+Confirmed on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
 No other explanation that was fitted comes close.";
 
 const BESIDE: &str = "\
 Missing: Physics is missing: Coulomb friction at motor_bearing
 1. Coulomb friction at motor_bearing: torque 0.3010 N m (95 % interval 0.2951 to 0.3069)
-Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
+Confirmed on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
 Its weight among the explanations that were fitted is 79 %; next is Stribeck friction at motor_bearing with 21 %.";
 
 const OPEN: &str = "\
 Missing: Physics is missing: friction, drag or a loss at motor_bearing, fitted as Coulomb friction
 1. friction, drag or a loss at motor_bearing, fitted as Coulomb friction: torque 0.3010 N m (95 % interval 0.2951 to 0.3069)
-Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
+Confirmed on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
 With a probability of 90 % it is friction, drag or a loss at motor_bearing, with 73 % Coulomb friction there.
 Probabilities are how often such statements were true on simulated benches with a hidden effect; on other machines they may differ.";
 
@@ -83,7 +83,7 @@ A complete model is called incomplete in 1 % of diagnoses.";
 const NAMELESS: &str = "\
 Unexplained: Something is missing at coupling_3 that no effect of the catalogue explains
 1. unexplained misfit at coupling_3
-Not proven: nothing was held out. Models were compared with each recording left out in turn.
+Not confirmed: nothing was held out. Models were compared with each recording left out in turn.
 Something is left: on data that were not fitted, output_speed is still missed by 3.2 times its noise floor (3.3 before).";
 
 const CUT_OFF: &str = "\
@@ -95,7 +95,7 @@ const CUT_OFF_LATER: &str = "\
 Missing: Physics is missing: Coulomb friction at motor_bearing
 1. Coulomb friction at motor_bearing: torque 0.3010 N m (95 % interval 0.2951 to 0.3069)
 The search was ended after 45.0 s, to keep its budget of 60 s: no effect was looked for.
-Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
+Confirmed on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
 No other explanation that was fitted comes close.";
 
 const CONTRADICTED: &str = "\
@@ -108,7 +108,7 @@ Finding 1: no other explanation that was fitted comes close.";
 const ORDINARY: &str = "\
 Adequate: Nothing is missing but ordinary imperfections: Coulomb friction at motor_bearing
 1. Coulomb friction at motor_bearing: torque 0.3010 N m (95 % interval 0.2951 to 0.3069)
-Proven on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
+Confirmed on held-out recordings: the corrected model predicts them better than the base model, and no channel worse.
 Coulomb friction at motor_bearing is ordinary at this size and no fault: bearings rub.
 No other explanation that was fitted comes close.";
 

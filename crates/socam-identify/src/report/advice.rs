@@ -45,7 +45,7 @@ fn in_series(model: &Model, a: &Spring, b: &Spring, own: &[usize]) -> String {
     let shared = ends(a).into_iter().flatten().find(|node| ends(b).contains(&Some(*node)));
     let between = shared.map_or("between them", |node| model.nodes[node].name.as_str());
     format!(
-        "{}: {} and {} are springs in a row, of which only what they make together shows; an angle sensor at {between}, or the value of one of them, fixed to that of a torsion test, would tell them apart.",
+        "{}: {} and {} are springs in series, of which only the combined stiffness is determined; an angle sensor at {between}, or the value of one of them, fixed to that of a torsion test, would tell them apart.",
         names(model, own),
         a.name,
         b.name

@@ -180,7 +180,7 @@ fn strongly_correlated(problem: &Problem<'_>, uncertainty: &Uncertainty, j: usiz
 
 fn why_not(stuck: bool, swaps: bool, relative: f64, strongly_correlated: &[String]) -> String {
     let reason = if swaps {
-        "two springs in a row can change places and no sensor sees it".into()
+        "two springs in series can change places and no sensor sees it".into()
     } else if stuck {
         "it ran to its bound".into()
     } else if relative.is_finite() && relative < 1e3 {

@@ -33,7 +33,7 @@ impl Finding {
                     if *samples == 1 { "1 sample was".into() } else { format!("{samples} samples were") }
                 )
             }
-            Self::CutOff { missing } => format!("the recording is cut off: missing is {missing}"),
+            Self::CutOff { missing } => format!("the recording is cut off: {missing} is missing"),
             Self::Damaged { byte, bytes } => {
                 format!("{bytes} damaged bytes at byte {byte} are left out")
             }
@@ -57,8 +57,8 @@ impl Finding {
                 format!("`{channel}` is mostly noise (signal to noise {snr_db:.1} dB)")
             }
             Self::FewLines { channel, lines, needed, band_hz: [from, to] } => format!(
-                "the input `{channel}` moves at {lines} {} only ({from:.2} to {to:.2} Hz); it takes {needed} to determine the parameters",
-                if *lines == 1 { "frequency" } else { "frequencies" }
+                "the input `{channel}` has only {} within 30 dB of its strongest (all that stands out of its noise lies from {from:.2} to {to:.2} Hz); it takes {needed} to determine the parameters",
+                counted(*lines as u64, "resolvable spectral line")
             ),
             Self::ResonancesNotExcited { channel, resonances, band_hz: [from, to], .. } => {
                 format!(

@@ -19,7 +19,7 @@ pub(super) fn method(diagnosis: &Diagnosis, provenance: &Provenance, written: &[
         (None, Validation::Holdout) => {
             "Held-out recordings were read only after the last choice, and never fitted; until then only their checksums were compared."
         }
-        (None, _) => "No recording was held out, so that nothing here is proven beyond that.",
+        (None, _) => "No recording was held out, so that nothing here is confirmed beyond that.",
     };
     html! {
         (tables::recordings(diagnosis))

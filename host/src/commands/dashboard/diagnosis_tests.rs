@@ -62,5 +62,5 @@ fn a_diagnosis_in_the_window_says_how_far_it_is_is_cancelled_and_runs_to_its_end
     assert_eq!(window.state().problems().collect::<Vec<_>>(), Vec::<&str>::new());
     window.get_by_label("1. Coulomb friction at load_bearing");
     window.get_by_label("load_bearing: bearing with damping; finding 1, Coulomb friction");
-    window.get_by_label_contains("Proven on held-out recordings");
+    window.get_by_label_contains("Confirmed on held-out recordings");
 }

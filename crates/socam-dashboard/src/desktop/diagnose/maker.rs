@@ -110,7 +110,7 @@ impl Maker {
         match &chosen {
             Err(why) => drop(ui.label(RichText::new(why).color(theme::weak(ui)))),
             Ok(chosen) if chosen.held_out.is_empty() => {
-                let advice = "Nothing is held out: what is found will not be proven.";
+                let advice = "Nothing is held out: what is found will not be confirmed.";
                 ui.label(RichText::new(advice).small().color(theme::weak(ui)));
             }
             Ok(_) => {}

@@ -120,7 +120,7 @@ const MAKING: Help = &[
 
 const EMPTY: [&str; 2] = [
     "No diagnosis yet",
-    "Choose recordings and a model at the left and press Diagnose. The drawing then shows where model and recordings part. A saved report is opened by its diagnosis.json, with Ctrl+O, or by dropping its folder here.",
+    "Choose recordings and a model at the left and press Diagnose. The drawing then shows where the model and the recordings disagree. A saved report is opened by its diagnosis.json, with Ctrl+O, or by dropping its folder here.",
 ];
 const RUNNING: [&str; 2] =
     ["A diagnosis runs", "Its progress is at the left. The other views can be used meanwhile."];

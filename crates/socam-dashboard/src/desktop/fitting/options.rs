@@ -5,6 +5,8 @@ use serde_json::Value;
 use socam_job::options::{Described, ValueType, describe, from_words};
 use socam_job::{JobError, Settings};
 
+use crate::together::level;
+
 /// A task whose options a view offers.
 pub(crate) trait Offered: Settings {
     /// How they are shown.
@@ -170,6 +172,7 @@ impl Row {
             ValueType::Switch => self.switch(ui),
             ValueType::Choice if is_first => self.side_by_side(ui),
             kind => {
+                level(ui);
                 let label = ui.label(&self.label).on_hover_text(&self.option.help);
                 match kind {
                     ValueType::Choice => self.choice(ui, label.id),
@@ -248,9 +251,8 @@ impl Row {
 
     fn line(&mut self, ui: &mut Ui, label: egui::Id) -> bool {
         let hint = match text_of(&self.option.default) {
-            usual if usual.is_empty() => {
-                default_in(&self.option.help).unwrap_or(&self.option.value_name).to_owned()
-            }
+            usual if usual.is_empty() => default_in(&self.option.help)
+                .map_or_else(|| self.option.value_name.to_lowercase(), str::to_owned),
             usual => usual,
         };
         let field = if self.option.is_list {

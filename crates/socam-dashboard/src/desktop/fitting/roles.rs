@@ -11,13 +11,13 @@ use socam_workbench::setup::{Role, Roles};
 const ROLES: [(Role, &str, &str); 3] = [
     (Role::Fit, "fit", "it is fitted"),
     (Role::HoldOut, "hold out", "it is not fitted, only predicted: the proof"),
-    (Role::Unused, "no", "it is not used"),
+    (Role::Unused, "unused", "it is not used"),
 ];
 
 const COLUMNS: [table::Column; 4] = [
     table::text("fit", 22.0),
     table::text("hold out", 48.0),
-    table::text("no", 22.0),
+    table::text("unused", 44.0),
     table::text("recording", 90.0),
 ];
 

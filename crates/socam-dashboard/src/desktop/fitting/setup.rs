@@ -33,7 +33,7 @@ fn range(ui: &mut Ui, range_s: &mut Option<[f64; 2]>, in_sight: Option<[f64; 2]>
         level(ui);
         match *range_s {
             Some([from, to]) => {
-                ui.label(format!("Of each, {} s to {} s", six(from), six(to)));
+                ui.label(format!("{} s to {} s of each recording", six(from), six(to)));
                 let whole = ui.button("Whole recordings");
                 if whole.on_hover_text("Read all of each recording").clicked() {
                     *range_s = None;

@@ -94,10 +94,12 @@ pub(super) fn bar(ui: &mut Ui, counts: &Counts) {
     }
     ui.horizontal_wrapped(|ui| {
         for (kind, (count, word)) in RowVerdict::ALL.into_iter().zip(kinds) {
+            let text = format!("{count} {word}");
+            crate::together::keep(ui, &text, SIZE + 4.0);
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
                 kind.mark(ui);
-                ui.label(format!("{count} {word}"));
+                ui.label(text);
             });
         }
     });

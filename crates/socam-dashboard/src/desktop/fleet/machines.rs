@@ -26,6 +26,10 @@ fn columns(width: f32) -> [Column; 7] {
     let all = width - of(&COLUMNS) + COLUMNS[1].width;
     let few = width - 12.0 - of(&COLUMNS[..3]) + COLUMNS[1].width;
     columns[1].width = if all >= 100.0 { all } else { few.clamp(70.0, 170.0) };
+    // A wide list gives names half of what it has to spare.
+    let spare = (all - COLUMNS[1].width).max(0.0);
+    columns[0].width += 0.5 * spare;
+    columns[1].width -= 0.5 * spare;
     columns
 }
 

@@ -185,4 +185,4 @@ impl Fleet {
     }
 }
 
-const EMPTY: &str = "Open the table of one, FLEET.parquet, with Ctrl+O or drop it here: socam-host fleet makes it. This view then says how many machines are adequate, what is missing how often and where, and which machines change or differ from their sisters.";
+const EMPTY: &str = "Open a fleet table (FLEET.parquet, written by `socam-host fleet`) with Ctrl+O, or drop it here. This view then shows how many machines the model fits, which effects are missing how often and where, and which machines change or differ from the others.";

@@ -19,7 +19,7 @@ pub(super) const COLUMNS: [Column; 8] = [
     table::text("verdict", 118.0),
     table::number("p", 54.0),
     table::number("residual power", 88.0),
-    table::text("what", 130.0),
+    table::text("missing", 130.0),
 ];
 
 /// The date of a row, if it has one.

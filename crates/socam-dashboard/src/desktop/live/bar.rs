@@ -185,7 +185,8 @@ fn draw_progress(ui: &mut Ui, workspace: &Workspace, rect: Rect) {
         None if source.is_some() && workspace.bench.offer().is_none() => "not recorded".into(),
         None => {
             let file = workspace.present_signal().settings.file();
-            format!("planned: {:.1} s", file.duration_s + file.ramp_s)
+            let ramp = if file.ramp_s > 0.0 { ", ramp included" } else { "" };
+            format!("planned: {:.1} s{ramp}", file.duration_s + file.ramp_s)
         }
         Some(run) => {
             let (elapsed, planned) = (run.elapsed_s(), run.planned_s);

@@ -117,12 +117,14 @@ impl Live {
         });
     }
 
-    /// Gaps in the samples; those that share a pixel share a mark.
+    /// Gaps in which samples were lost, not pauses such as of a board that is set up; those that share a pixel share a mark.
     fn gaps(&self, ui: &Ui, bench: &Connection, x: [f64; 2], width: f32) -> Vec<([f64; 2], egui::Color32)> {
         let colour = theme::weak(ui).gamma_multiply(0.3);
         let per_pixel = (x[1] - x[0]) / f64::from(width.max(1.0));
         let mut gaps: Vec<([f64; 2], egui::Color32)> = Vec::new();
-        for [from, to] in self.shown(bench).holes().iter().map(|hole| hole.span) {
+        for [from, to] in
+            self.shown(bench).holes().iter().filter(|hole| hole.missed > 0).map(|hole| hole.span)
+        {
             let is_new = gaps.last().is_none_or(|(last, _)| to - last[1] > per_pixel);
             if is_new && to > x[0] && from < x[1] {
                 gaps.push(([from.max(x[0]), to.min(x[1])], colour));

@@ -117,7 +117,7 @@ fn preview(ui: &mut Ui, bench: &Connection, line: &[[f64; 2]], unit: &str) {
     chart.y = chart.fitted(range_of(line.iter().map(|[_, value]| *value).chain([0.0])));
     let (name, colour) = ("command".into(), theme::line(ui, 0));
     chart.curves = vec![Curve { name, colour, parts: vec![line.to_vec()], style: Style::Solid }];
-    if let Some(run) = bench.last_run().filter(|run| run.is_recorded()) {
+    if let Some(run) = bench.last_run().filter(|run| run.is_recorded() && run.planned_s > 0.0) {
         let colour = ui.visuals().strong_text_color();
         chart.flags = vec![Flag::new(run.elapsed_s(), "", colour)];
     }

@@ -5,7 +5,7 @@ use socam_findings::Diagnosis;
 
 use super::{colours, shown_in};
 use crate::diagnosis::choice::Sides;
-use socam_chart::numbers::number;
+use socam_chart::numbers::significant;
 use socam_chart::table::heads;
 use socam_chart::theme;
 use socam_workbench::display_units::{DisplayUnits, ShownIn};
@@ -13,13 +13,13 @@ use socam_workbench::display_units::{DisplayUnits, ShownIn};
 pub(super) fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides, units: &DisplayUnits) {
     ui.label(
         RichText::new(
-            "Root mean square residuals. Bars are their ratios to the noise floor on a logarithmic scale; at the line is 1, all that a perfect model could do",
+            "Root mean square residuals. Bars: their ratios to the noise floor, logarithmic from 0.5 to 30; the line is at 1, which a perfect model reaches",
         )
         .small()
         .color(theme::weak(ui)),
     );
     egui::Grid::new("fit bars").striped(true).spacing([18.0, 6.0]).show(ui, |ui| {
-        heads(ui, &["channel", "data", "", "before", "after", "noise floor", "unit"]);
+        heads(ui, &["channel", "data", "residual / noise floor", "before", "after", "noise floor", "unit"]);
         for (name, fit) in &diagnosis.fit.channels {
             let ShownIn { unit, per_si } = shown_in(units, name, &fit.unit);
             let rows = [
@@ -31,7 +31,7 @@ pub(super) fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides, units: &Disp
                 ui.label(data);
                 bars(ui, [before, after], fit.noise_std, sides);
                 for value in [before, after, fit.noise_std] {
-                    let text = value.map_or("-".into(), |value| number(per_si * value));
+                    let text = value.map_or("-".into(), |value| significant(per_si * value, 3));
                     ui.label(RichText::new(text).monospace());
                 }
                 ui.label(&unit);
@@ -49,7 +49,6 @@ fn bars(ui: &mut Ui, values: [Option<f64>; 2], noise_std: Option<f64>, sides: Si
     let at = |ratio: f64| {
         rect.left() + rect.width() * ((ratio / 0.5).log10() / 60_f64.log10()).clamp(0.0, 1.0) as f32
     };
-    painter.vline(at(1.0), rect.y_range(), egui::Stroke::new(1.0, theme::weak(ui)));
     let on = [sides != Sides::After, sides != Sides::Before];
     for (index, colour) in colours(ui).into_iter().enumerate() {
         let Some(value) = values[index].filter(|_| on[index]) else { continue };
@@ -58,7 +57,8 @@ fn bars(ui: &mut Ui, values: [Option<f64>; 2], noise_std: Option<f64>, sides: Si
             egui::Rect::from_min_max(egui::pos2(rect.left(), top), egui::pos2(at(value / noise), top + 7.0));
         painter.rect_filled(bar, 2.0, colour);
     }
-    let ratio = |value: Option<f64>| value.map_or("-".into(), |value| number(value / noise));
+    painter.vline(at(1.0), rect.y_range(), egui::Stroke::new(1.5, ui.visuals().strong_text_color()));
+    let ratio = |value: Option<f64>| value.map_or("-".into(), |value| significant(value / noise, 3));
     response.on_hover_text(format!(
         "before {} x noise, after {} x noise",
         ratio(values[0]),

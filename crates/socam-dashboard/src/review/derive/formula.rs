@@ -24,7 +24,7 @@ impl Written {
     }
 
     pub(super) fn fields(&mut self, ui: &mut Ui, signals: &[Signal]) {
-        egui::Grid::new("formula").num_columns(2).show(ui, |ui| {
+        egui::Grid::new("formula").num_columns(2).min_col_width(66.0).show(ui, |ui| {
             let label = ui.label("name");
             let hint = RichText::new("the formula itself").color(theme::weak(ui));
             let field = TextEdit::singleline(&mut self.name).hint_text(hint).desired_width(300.0);
@@ -42,7 +42,9 @@ impl Written {
             self.text = self.text.replace('\n', " ");
         }
         let functions = socam_model::formula::FUNCTIONS.map(|(name, _)| name).join(", ");
-        let said = format!("+ - * / ^, pi, {functions}; a click on a channel completes its name");
+        let said = format!(
+            "Sample by sample, in SI: + - * / ^, pi, {functions}; a click on a channel completes its name"
+        );
         ui.add(egui::Label::new(RichText::new(said).small().color(theme::weak(ui))).wrap());
         self.channels(ui, signals);
     }

@@ -114,7 +114,7 @@ fn a_device_of_text_is_recorded_by_a_press_and_goes_on_when_it_comes_back() {
     let (device, switch) = text_device("t_us,seq,motor_speed_rad_s,torque_Nm\n", row);
     let mut window = connect(&device, folder.path());
     window.get_by_label("Chart motor_speed, rad/s");
-    window.get_by_label("heard only: no command leaves");
+    window.get_by_label("receive only: no commands are sent");
     window.get_by_label("listening");
     window.get_by_label_contains("none lost");
     window.state_mut().workspace.next_run.note = "bare shaft".into();
