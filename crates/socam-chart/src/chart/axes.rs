@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_logarithmic_axis_has_numbers_however_many_decades_it_shows() {
-        assert_eq!(numbers((-7.9, 0.5), 130.0), ["1e-6", "1e-4", "0.01", "1"]);
+        assert_eq!(numbers((-7.9, 0.5), 130.0), ["1e-6", "0.0001", "0.01", "1"]);
         assert_eq!(numbers((-1.5, 2.5), 130.0), ["0.1", "1", "10", "100"]);
         assert_eq!(numbers((-0.1, 1.1), 130.0), ["1", "2", "5", "10"]);
         assert_eq!(numbers((1.45, 1.8), 400.0), ["30", "40", "50", "60"]);

@@ -101,6 +101,8 @@ fn binned(
     let (x, y) = (shown_in(choice.units, "", unit), shown_in(choice.units, &channel.name, &channel.unit));
     let title = format!("{}: mean residual, {}", channel.name, y.unit);
     let mut chart = Chart::new(("evidence", &channel.name), title, size);
+    // Side by side in a small window, long names would overlap.
+    let axis = if size.x < NARROW { axis.split(' ').next().unwrap_or(axis) } else { axis };
     chart.x_label = format!("{axis}, {}", x.unit);
     chart.when_empty = "these recordings do not move along this axis";
     if let Some(binned) = binned {
@@ -108,6 +110,9 @@ fn binned(
     }
     chart.show(ui, seen);
 }
+
+/// Width below which the name of a horizontal axis is its first word, points.
+const NARROW: f32 = 260.0;
 
 /// The unit in which a channel, or an axis without a name, is shown.
 fn shown_in(units: &DisplayUnits, name: &str, unit: &str) -> ShownIn {

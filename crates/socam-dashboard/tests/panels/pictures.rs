@@ -52,7 +52,7 @@ const DRAWN: [(&str, Look, Viewport); 51] = [
     ("diagnosis-fit", Look::Light, SMALL),
     ("diagnosis-shape", Look::Dark, SMALL),
     ("time-nothing", Look::Dark, SMALL),
-    ("diagnosis-angle", Look::Light, NARROW),
+    ("diagnosis-angle", Look::Light, SMALL),
     ("diagnosis-empty", Look::Light, SMALL),
     ("live-empty", Look::Dark, SMALL),
     ("live", Look::Light, LARGE),

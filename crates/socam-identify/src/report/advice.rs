@@ -135,7 +135,7 @@ mod tests {
                 said.iter().filter(|line| line.split([',', ':', ' ']).any(|word| word == name)).count();
             assert_eq!(here, 1, "{name} in {said:?}");
         }
-        assert!(said[0].starts_with("k1, k2, c2: ") && said[0].contains("in a row"), "{said:?}");
+        assert!(said[0].starts_with("k1, k2, c2: ") && said[0].contains("in series"), "{said:?}");
         let settled: Vec<_> =
             estimates.into_iter().map(|one| ParameterEstimate { identifiable: true, ..one }).collect();
         assert_eq!(advice(&model, &settled), [""; 0]);
