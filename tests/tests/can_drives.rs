@@ -1,7 +1,7 @@
 //! `record` of drives on a CAN bus, as a process: the bus, its adapter and the drive are simulated behind a pseudo-terminal, in real time.
 
 use std::io::{Read, Write};
-use std::process::Stdio;
+use std::process::{Child, Command, Stdio};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -24,6 +24,13 @@ const OBJECTS: &str = "schema = \"socam.canopen/1\"\n[channels.speed]\nsignal = 
     [channels.torque]\nsignal = \"6077:00 i16\"\nunit = \"N m\"\nscale = 0.002\n\
     [channels.status]\nsignal = \"6041:00 u16\"\nunit = \"1\"\n";
 
+/// The same for a drive that may be commanded.
+const COMMANDS: &str =
+    "[commands]\nmay_be_written = true\nunit = \"rpm\"\nscale = 0.1\nlimits = [\"607F\", \"6072\"]\n";
+const LIMITS_OF_TORQUE: [&str; 4] = ["--limit", "15rad/s", "--limit", "0.5Nm"];
+/// The drive's reaction after 0.2 s, its quick stop from 10 rad/s in 0.01 s, and what a busy computer takes to see it.
+const AT_REST_S: f64 = 0.5;
+
 /// A bus with a node behind a pseudo-terminal.
 struct Bench<N> {
     folder: tempfile::TempDir,
@@ -31,6 +38,8 @@ struct Bench<N> {
     adapter: String,
     bus: Mutex<BusSimulator<N>>,
     is_over: AtomicBool,
+    /// Whether the line carries nothing any more.
+    is_cut: AtomicBool,
 }
 
 impl<N: Node + Send> Bench<N> {
@@ -40,11 +49,13 @@ impl<N: Node + Send> Bench<N> {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("profile.toml"), PROFILE).unwrap();
         std::fs::write(folder.path().join("objects.toml"), OBJECTS).unwrap();
+        std::fs::write(folder.path().join("marked.toml"), format!("{OBJECTS}{COMMANDS}")).unwrap();
         let bench = Self {
             folder,
             adapter: format!("slcan:{}?bitrate=500k", theirs.name().unwrap()),
             bus: Mutex::new(BusSimulator::new(node)),
             is_over: AtomicBool::new(false),
+            is_cut: AtomicBool::new(false),
         };
         std::thread::scope(|scope| {
             let _ending = Ending(&bench.is_over);
@@ -58,9 +69,10 @@ impl<N: Node + Send> Bench<N> {
         line.set_timeout(Duration::from_millis(1)).unwrap();
         let (begin, mut bytes) = (Instant::now(), [0; 4096]);
         while !self.is_over.load(Ordering::Relaxed) {
-            let count = line.read(&mut bytes).unwrap_or(0);
+            let is_cut = self.is_cut.load(Ordering::Relaxed);
+            let count = line.read(&mut bytes).unwrap_or(0) * usize::from(!is_cut);
             let answer = self.bus.lock().unwrap().receive(begin.elapsed().as_secs_f64(), &bytes[..count]);
-            if !answer.is_empty() {
+            if !answer.is_empty() && !is_cut {
                 let _ = line.write_all(&answer);
             }
         }
@@ -146,8 +158,14 @@ fn a_drive_with_canopen_is_recorded_by_its_list_and_never_commanded() {
         let list = bench.path("objects.toml");
         let refused = bench.record("canopen+", 5, &[]);
         assert!(refused.refusal(2).contains("name a list of them by --describe FILE"), "{refused:?}");
-        let refused = bench.record("canopen+", 5, &["--describe", &list, "--profile", "steps"]);
-        assert!(refused.refusal(2).contains("is only listened to"), "{refused:?}");
+        let profile = bench.path("profile.toml");
+        let command = ["--describe", &list, "--profile", &profile, "--arm"];
+        let refused = bench.record("canopen+", 5, &[&command[..], &LIMITS_OF_TORQUE].concat());
+        let sentence = refused.refusal(2);
+        assert!(
+            sentence.contains("objects.toml`: the list of objects does not say")
+                && sentence.contains("may_be_written = true")
+        );
         let ran = bench.record("canopen+", 5, &["--describe", &list, "--rate", "100", "--duration", "2s"]);
         assert!(ran.code == Some(0) && ran.stdout.contains("\"damaged\": 0"), "{ran:?}");
         let data = bench.recorded().load(&["speed", "torque", "status"]).unwrap();
@@ -159,6 +177,126 @@ fn a_drive_with_canopen_is_recorded_by_its_list_and_never_commanded() {
         let info = run(["info", "--json", &bench.path("run.mcap")]).stdout;
         assert!(info.contains("device.toml") && info.contains("the drive is enabled"), "{info}");
         assert!(bench.bus.lock().unwrap().sent.iter().all(|frame| frame.bytes[0] == 0x40));
+    });
+}
+
+impl Bench<CanopenSimulator> {
+    /// What `record` is told for a drive that may be commanded.
+    fn arguments(&self) -> Vec<String> {
+        let device = format!("canopen+{}&node=5", self.adapter);
+        let [log, list, profile] = ["run.mcap", "marked.toml", "profile.toml"].map(|name| self.path(name));
+        let command = ["record", "-o", &log, "--device", &device, "--describe", &list, "--profile", &profile];
+        let more = ["--rate", "100", "--json"];
+        command.iter().chain(&LIMITS_OF_TORQUE).chain(&more).map(ToString::to_string).collect()
+    }
+
+    /// `record` while the drive turns.
+    fn moving(&self) -> Child {
+        let mut command = socam_host();
+        command.args(self.arguments()).arg("--arm").stdout(Stdio::piped()).stderr(Stdio::piped());
+        let child = command.spawn().unwrap();
+        self.until(20.0, |node| node.motor.speed_rad_s > 3.0);
+        child
+    }
+
+    fn until(&self, most_s: f64, is_so: impl Fn(&CanopenSimulator) -> bool) {
+        let begin = Instant::now();
+        while !is_so(&self.bus.lock().unwrap().node) {
+            assert!(begin.elapsed().as_secs_f64() < most_s, "{:?}", self.bus.lock().unwrap().node);
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    fn is_at_rest_within(&self, most_s: f64) {
+        self.until(most_s, |node| node.status & 0x6f == 0x40 && node.motor.speed_rad_s.abs() < 0.1);
+    }
+}
+
+/// What a process said until its end.
+fn ended(child: Child) -> (Option<i32>, String, String) {
+    let output = child.wait_with_output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code(), text(&output.stdout), text(&output.stderr))
+}
+
+fn disabled() -> CanopenSimulator {
+    CanopenSimulator::disabled(5, Motor::at_rest(Inertia::SMALL, 0.1))
+}
+
+#[test]
+fn a_drive_with_canopen_whose_list_marks_it_follows_a_profile_once_it_is_armed() {
+    Bench::with(disabled(), |bench| {
+        let told = run(bench.arguments());
+        assert_eq!(told.code, Some(2), "{told:?}");
+        for said in ["nothing was sent: add --arm", "(607F or 6080)", "its own setting (605A, 6085)"] {
+            assert!(told.stderr.contains(said) || told.stdout.contains(said), "{said} {told:?}");
+        }
+        assert!(bench.bus.lock().unwrap().adapter.commands.is_empty());
+        let ran = run(bench.arguments().into_iter().chain(["--arm".into()]));
+        assert!(ran.code == Some(0) && ran.stdout.contains("\"end\": \"finished\""), "{ran:?}");
+        let data = bench.recorded().load(&["command", "speed"]).unwrap();
+        let [command, speed] = [0, 1].map(|column: usize| data.columns[column].values());
+        let far =
+            command.iter().zip(speed).filter(|(command, speed)| (*command - *speed).abs() > 4.0).count();
+        assert!(command.iter().any(|value| *value > 9.8) && far * 20 < command.len(), "{far}");
+        let bus = bench.bus.lock().unwrap();
+        assert_eq!([bus.node.setting(0x607f, 0), bus.node.setting(0x1016, 1)], [30_000, 0]);
+        assert_eq!(bus.node.status & 0x6f, 0x40);
+        let info = run(["info", "--json", &bench.path("run.mcap")]).stdout;
+        assert!(info.contains("device.toml") && info.contains("15 rad/s, 0.5 N m"), "{info}");
+    });
+}
+
+#[test]
+fn a_drive_with_canopen_is_stopped_by_the_operator_and_at_rest_without_cable_or_host() {
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            Bench::with(disabled(), |bench| {
+                let child = bench.moving();
+                assert!(
+                    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success()
+                );
+                let (code, said, problem) = ended(child);
+                assert!(code == Some(0) && said.contains("\"end\": \"stopped\""), "{said} {problem}");
+                bench.is_at_rest_within(0.1);
+            })
+        });
+        scope.spawn(|| {
+            Bench::with(disabled(), |bench| {
+                let child = bench.moving();
+                bench.is_cut.store(true, Ordering::Relaxed);
+                bench.is_at_rest_within(AT_REST_S);
+                let (code, _, problem) = ended(child);
+                assert!(
+                    code == Some(1) && problem.contains("the drive has not answered for 0."),
+                    "{problem}"
+                );
+                assert!(bench.recorded().rows() > 20);
+            })
+        });
+        scope.spawn(|| {
+            Bench::with(disabled(), |bench| {
+                let mut child = bench.moving();
+                child.kill().unwrap();
+                bench.is_at_rest_within(AT_REST_S);
+                child.wait().unwrap();
+            })
+        });
+    });
+}
+
+#[test]
+fn a_drive_with_canopen_that_ignores_a_missing_heartbeat_is_not_commanded() {
+    let mut node = disabled();
+    node.is_deaf = true;
+    Bench::with(node, |bench| {
+        let ran = run(bench.arguments().into_iter().chain(["--arm".into()]));
+        assert!(
+            ran.code == Some(1) && ran.stderr.contains("after the last heartbeat of this computer"),
+            "{ran:?}"
+        );
+        let node = &bench.bus.lock().unwrap().node;
+        assert!(node.motor.angle_rad == 0.0 && node.status & 0x6f == 0x40, "{node:?}");
     });
 }
 

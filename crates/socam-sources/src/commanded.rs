@@ -218,6 +218,8 @@ impl Commanded {
                         self.rest_since_ns.get_or_insert(row.arrival_ns);
                     }
                     Standing::Stopped => self.rest_since_ns = None,
+                    // A drive that is prepared may be enabled at speed 0.
+                    Standing::Fault(why) if self.is_prepared => return Some(why),
                     Standing::Fault(why) => {
                         return Some(format!("{why}; clear it first, nothing was commanded"));
                     }
@@ -342,7 +344,11 @@ impl Device for Commanded {
     }
 
     fn last_words(&self) -> Option<Vec<u8>> {
-        matches!(self.phase, Phase::Driving { .. } | Phase::Stopping { .. })
-            .then(|| self.drive.bytes(Order::Stop))
+        let is_told = match self.phase {
+            Phase::Waiting { .. } => self.is_prepared,
+            Phase::Driving { .. } | Phase::Stopping { .. } => true,
+            Phase::Over => false,
+        };
+        is_told.then(|| self.drive.bytes(Order::Stop))
     }
 }

@@ -11,7 +11,7 @@
 //! | [`odrive`] | an ODrive by its protocol of text |
 //! | [`dynamixel`], [`feetech`] | servos on one bus ([`Servos`]), by the protocol 2 of Dynamixel or that of Feetech; only asked |
 //! | `can` | a CAN bus behind an adapter that speaks slcan, whose signals a DBC describes; only listened to |
-//! | `can::odrive`, `can::canopen` | an ODrive by CAN Simple; a drive by CANopen, only read |
+//! | `can::odrive`, `can::canopen` | an ODrive by CAN Simple; a drive by CANopen, commanded where its list of objects marks it |
 //! | `foxglove` | topics of a Foxglove WebSocket server, such as a bridge of ROS 2; and such a server of a running recording |
 //! | [`simulators`] | simulations of these drives, for tests and rehearsals |
 //!

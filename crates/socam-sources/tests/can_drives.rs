@@ -4,11 +4,11 @@
 
 use proptest::prelude::*;
 use socam_core::{Command, Profile, Shape};
-use socam_sources::can::canopen::{Canopen, Objects};
+use socam_sources::can::canopen::{Canopen, CanopenDrive, Objects};
 use socam_sources::can::odrive::OdriveCan;
 use socam_sources::can::{Access, opening};
 use socam_sources::simulators::{
-    BusSimulator, CanopenSimulator, Firmware, Inertia, Mishap, Motor, Node, OdriveCanSimulator,
+    BusSimulator, CanopenSimulator, Firmware, Frame, Inertia, Mishap, Motor, Node, OdriveCanSimulator,
 };
 use socam_sources::{Chunk, Commanded, Commands, Device, Heard, Limits, Row};
 
@@ -25,18 +25,22 @@ fn simulated(firmware: Firmware) -> BusSimulator<OdriveCanSimulator> {
     BusSimulator::new(OdriveCanSimulator::new(3, firmware, Motor::at_rest(Inertia::SMALL, 0.1)))
 }
 
-fn commanded() -> Commanded {
+/// A sine of 10 rad/s for 2 s.
+fn sine() -> Profile {
     let shape =
         Shape::Sine { offset_micro: 0, amplitude_micro: 10_000_000, frequency_uhz: 1_000_000, periods: None };
-    let profile = Profile {
+    Profile {
         command: Command::SpeedClosedLoop,
         shape,
         ramp_us: 200_000,
         limit_micro: 12_000_000,
         slew_micro_s: 200_000_000,
         duration_us: 2_000_000,
-    };
-    Commanded::new(Box::new(odrive(3)), &profile, PERIOD_US, limits(Commands::Speeds)).unwrap()
+    }
+}
+
+fn commanded() -> Commanded {
+    Commanded::new(Box::new(odrive(3)), &sine(), PERIOD_US, limits(Commands::Speeds)).unwrap()
 }
 
 fn limits(commands: Commands) -> Limits {
@@ -379,6 +383,189 @@ fn a_drive_that_sends_no_pdo_or_is_not_there_is_said() {
     );
     let ran = run(&mut canopen(6, OBJECTS), 15.0, &mut turning(), |_, _| {});
     assert!(ran.reason().contains("node 6 does not answer") && ran.end_s < 2.0, "{}", ran.reason());
+}
+
+/// A list that allows commands.
+fn marked() -> String {
+    format!(
+        "{OBJECTS}[commands]\nmay_be_written = true\nunit = \"rpm\"\nscale = 0.1\nlimits = [\"607F\", \"6072\"]\n"
+    )
+}
+
+fn drive() -> BusSimulator<CanopenSimulator> {
+    BusSimulator::new(CanopenSimulator::disabled(5, Motor::at_rest(Inertia::SMALL, 0.1)))
+}
+
+/// Follows a sine of 10 rad/s for 2 s, at an interval.
+fn following(list: &str, period_us: u32) -> Commanded {
+    let opening = opening(None, Access::Send).unwrap();
+    let objects = Objects::parse(list).unwrap();
+    let drive = CanopenDrive::new(5, objects, i64::from(period_us) * 1000, opening).unwrap();
+    let limits = Limits { effort: 0.5, ..limits(Commands::Speeds) };
+    Commanded::new(Box::new(drive), &sine(), period_us, limits).unwrap()
+}
+
+#[test]
+fn a_drive_with_canopen_follows_a_profile_once_its_heartbeat_was_seen_to_be_missed() {
+    let (mut device, mut bus) = (following(&marked(), 5000), drive());
+    // The limit of torque is above its own, 0.4 N m, which stays.
+    bus.node.set(0x6072, 0, 200);
+    let mut kept = (0, 0, 0);
+    let (mut was_enabled, mut was_tried) = (false, false);
+    let ran = run(&mut device, 8.0, &mut bus, |_, node| {
+        was_enabled |= node.status & 0x6f == 0x27;
+        // Not enabled any more before it has turned at all.
+        was_tried |= was_enabled && node.status & 0x6f == 0x40 && node.motor.angle_rad == 0.0;
+        if node.motor.speed_rad_s.abs() > 5.0 {
+            kept = (node.setting(0x607f, 0), node.setting(0x6072, 0), node.setting(0x1016, 1));
+        }
+    });
+    assert_eq!(ran.reason, None, "{} {:?}", ran.end_s, ran.heard.last());
+    assert!(ran.heard.contains(&Heard::End { reason: None, by_operator: false }) && was_tried);
+    let rows = ran.rows();
+    let top = rows.iter().map(|row| row.values[0]).fold(0.0, f64::max);
+    let worst = rows.iter().map(|row| (row.values[0] - row.values[4]).abs()).fold(0.0, f64::max);
+    assert!(top > 9.0 && worst < 3.0, "{top} {worst}");
+    // 15 rad/s in tenths of a revolution a minute; node 127 and 0.2 s.
+    assert_eq!(kept, (1432, 200, 127 << 16 | 200));
+    // What it had before, but for the target.
+    let settings = [(0x607f, 0), (0x6072, 0), (0x1016, 1), (0x6007, 0), (0x6060, 0), (0x60ff, 0)];
+    assert_eq!(settings.map(|(index, sub)| bus.node.setting(index, sub)), [30_000, 200, 0, 1, 0, 0]);
+    assert!(bus.node.status & 0x6f == 0x40, "{:x}", bus.node.status);
+    // The reaction that the trial provoked is no fault of the drive.
+    assert!(ran.damaged() == 0 && !ran.heard.iter().any(|heard| matches!(heard, Heard::Fault(_))));
+    let commands = bus.sent.iter().filter(|frame| frame.id == 0x605 && frame.bytes[1..3] == [0xff, 0x60]);
+    // 200 a second for 2.2 s, and what comes before and after.
+    let count = commands.count();
+    assert!((430..=460).contains(&count), "{count}");
+}
+
+#[test]
+fn a_drive_with_canopen_that_does_not_keep_its_promises_is_not_commanded() {
+    type Wrong = fn(&mut CanopenSimulator);
+    let cases: [(Wrong, &str); 6] = [
+        (|node| node.is_deaf = true, "still enabled 0.25 s after the last heartbeat of this computer"),
+        (
+            |node| node.ignores_limits = true,
+            "was told 1432 in 607F:00 (its largest profile velocity) and states",
+        ),
+        (|node| node.set(0x1016, 1, 3 << 16 | 500), "waits for the heartbeat of node 3 already"),
+        (|node| node.status = 0x0237, "the drive obeys another program already"),
+        (|node| node.mishap = Some(Mishap::Fault(0x7305)), "error 7305 (603F); clear it first"),
+        (|node| node.set(0x6072, 0, 0), "the limit in 6072:00 is 0"),
+    ];
+    for (wrong, sentence) in cases {
+        let (mut device, mut bus) = (following(&marked(), 5000), drive());
+        wrong(&mut bus.node);
+        let ran = run(&mut device, 8.0, &mut bus, |_, _| {});
+        assert!(ran.reason().contains(sentence), "{sentence}: {}", ran.reason());
+        assert_eq!(bus.node.motor.angle_rad, 0.0, "{sentence}");
+        let is_target = |frame: &&Frame| {
+            frame.id == 0x605 && frame.bytes[..3] == [0x23, 0xff, 0x60] && frame.bytes[4..] != [0; 4]
+        };
+        assert!(!bus.sent.iter().any(|frame| is_target(&frame)), "{sentence}");
+        if sentence.contains("still enabled") {
+            assert!(bus.node.status & 0x6f == 0x40 && bus.node.setting(0x1016, 1) == 0, "{bus:?}");
+        }
+    }
+}
+
+#[test]
+fn a_drive_with_canopen_that_is_moved_while_it_is_held_is_stopped() {
+    let (mut device, mut bus) = (following(&marked(), 5000), drive());
+    let ran = run(&mut device, 8.0, &mut bus, |_, node| {
+        if node.status & 0x6f == 0x27 {
+            node.motor.speed_rad_s = 4.0;
+        }
+    });
+    assert!(ran.reason().contains("rad/s while it is held at 0"), "{}", ran.reason());
+    assert_eq!(bus.node.status & 0x6f, 0x40);
+}
+
+#[test]
+fn a_fault_a_runaway_or_a_second_master_ends_the_run_of_a_drive_with_canopen() {
+    for (mishap, sentence) in [
+        (Mishap::Fault(0x7305), "the drive is in a fault with error 7305 (603F)"),
+        (Mishap::RunsAway, "beyond the limit of 15 rad/s"),
+        (Mishap::Dies, "the drive has not answered for 0.2"),
+        (Mishap::Freezes, "the drive has not answered for 0.2"),
+    ] {
+        let (mut device, mut bus) = (following(&marked(), 5000), drive());
+        let mut fastest = 0_f64;
+        let ran = run(&mut device, 12.0, &mut bus, |_, node| {
+            if node.motor.speed_rad_s > 6.0 {
+                node.mishap = Some(mishap);
+            }
+            fastest = fastest.max(node.motor.speed_rad_s);
+        });
+        assert!(ran.reason().contains(sentence), "{mishap:?}: {}", ran.reason());
+        let word = |frame: &&Frame| frame.id == 0x605 && frame.bytes[..3] == [0x2b, 0x40, 0x60];
+        let last = bus.sent.iter().rfind(word).unwrap();
+        assert!([0, 2].contains(&last.bytes[4]), "{mishap:?} {last:?}");
+        assert!(fastest < 17.0, "{mishap:?} {fastest}");
+    }
+    let (mut device, mut bus) = (following(&marked(), 5000), drive());
+    let ran = run(&mut device, 8.0, &mut bus, |_, node| {
+        node.refuses_targets = node.motor.speed_rad_s > 6.0;
+    });
+    assert!(ran.reason().contains("the drive does not take 60FF:00: "), "{}", ran.reason());
+    assert!(bus.node.status & 0x6f == 0x40 && bus.node.motor.speed_rad_s.abs() < 1.0, "{bus:?}");
+    for (id, bytes, sentence) in [
+        (0x605, [0x2b, 0x40, 0x60, 0, 0x0f, 0, 0, 0], "another program on the bus commands this drive"),
+        (0x77f, [5, 0, 0, 0, 0, 0, 0, 0], "another program on the bus sends the heartbeat of node 127"),
+    ] {
+        let (mut device, mut bus) = (following(&marked(), 5000), drive());
+        let first = run(&mut device, 1.6, &mut bus, |_, _| {});
+        assert!(first.rows().iter().any(|row| row.values[4] != 0.0), "{:?}", first.heard.last());
+        let mut heard = Vec::new();
+        let rival = bus.adapter.frame(1.6, id, &bytes);
+        let until_ns = 1_600_500_000;
+        device.receive(Chunk { bytes: &rival, from_ns: until_ns, until_ns }, &mut heard);
+        assert!(matches!(&heard[..], [Heard::Fault(said)] if said.starts_with(sentence)), "{heard:?}");
+    }
+}
+
+/// Without another byte of the host the drive brakes by itself.
+#[test]
+fn a_drive_with_canopen_whose_host_is_gone_is_at_rest_after_its_time() {
+    let (mut device, mut bus) = (following(&marked(), 5000), drive());
+    let ran = run(&mut device, 1.7, &mut bus, |_, _| {});
+    assert!(bus.node.status & 0x6f == 0x27 && bus.node.motor.speed_rad_s.abs() > 1.0, "{bus:?}");
+    for step in 1..=260 {
+        bus.node.advance(ran.end_s + f64::from(step) * 1e-3);
+        assert!(step > 190 || bus.node.status & 0x6f == 0x27, "{step}");
+    }
+    assert!(bus.node.status & 0x6f == 0x40 && bus.node.motor.speed_rad_s.abs() < 0.1, "{bus:?}");
+}
+
+#[test]
+fn a_list_that_does_not_mark_commands_is_refused_by_what_it_lacks() {
+    let opening = || opening(None, Access::Send).unwrap();
+    for (list, sentence) in [
+        (OBJECTS.to_owned(), "add a table [commands] with `may_be_written = true`"),
+        (marked().replace("= true", "= false"), "add a table [commands] with `may_be_written = true`"),
+        (marked().replace("6041:0", "6040:0"), "its statusword (6041): add those that are missing"),
+        (marked().replace("6072", "6073"), "`limits` of the list of objects names 6073"),
+        (
+            marked() + "heartbeat_node = 5\n",
+            "`heartbeat_node` of the list of objects is 5, which is the drive itself",
+        ),
+    ] {
+        let refused = CanopenDrive::new(5, Objects::parse(&list).unwrap(), 5_000_000, opening()).unwrap_err();
+        assert!(refused.to_string().contains(sentence), "{refused}");
+    }
+    for (list, sentence) in [
+        (marked().replace("6072", "6071"), "`limits` holds \"6071\"; expected \"607F\""),
+        (
+            marked().replace("unit = \"rpm\"\nscale = 0.1\nlimits", "unit = \"Nm\"\nlimits"),
+            "expected that of the target velocity",
+        ),
+        (marked().replace("scale = 0.1\nlimits", "scale = 0\nlimits"), "`scale` is 0"),
+        (marked().replace("may_be", "might_be"), "may_be_written"),
+    ] {
+        let refused = Objects::parse(&list).unwrap_err().to_string();
+        assert!(refused.contains(sentence), "{refused}");
+    }
 }
 
 proptest! {

@@ -1,19 +1,27 @@
-//! A drive on a CAN bus by CANopen (CiA 301 and 402). It is only read: nothing is sent to it but questions for objects and, if the list of
-//! objects says so, SYNC.
+//! A drive on a CAN bus by CANopen (CiA 301 and 402). [`Canopen`] only reads: nothing is sent to it but questions for objects and, if the list of
+//! objects says so, SYNC. [`CanopenDrive`] obeys orders as well, where the list marks it.
 //!
 //! Objects that the drive sends in PDOs are taken from these, as the drive itself is configured; all others are asked for by SDO, one after
 //! the other, once a row.
 
+mod commands;
+mod control;
 mod discovery;
 mod messages;
+mod obeying;
 mod objects;
+mod place;
+mod preparation;
+mod requests;
+mod settings;
+mod watched;
 
 use socam_recording::Channel;
 
 use super::adapter::Adapter;
 use super::others::Others;
 use super::slcan::CanFrame;
-use crate::asking::Asking;
+use crate::asking::{Asking, UNASKED};
 use crate::device::{Chunk, Device, Heard, Numbering, Row};
 use crate::error::{Result, SourceError};
 use crate::silence::Silence;
@@ -21,7 +29,9 @@ use discovery::{Discovery, Pdo, is_held};
 use messages::{
     Answer, Kind, LARGEST_NODE, STATUSWORD, kind, node_of, state_of_drive, state_of_node, sync, upload,
 };
+pub use obeying::CanopenDrive;
 pub use objects::{Objects, SCHEMA};
+use requests::Requests;
 
 /// A drive.
 #[derive(Debug)]
@@ -39,6 +49,8 @@ pub struct Canopen {
     answered: usize,
     /// Whether the next of them is to be asked for.
     is_next_due: bool,
+    /// What a question carries before them.
+    requests: Requests,
     /// Values since the last row.
     values: Vec<f64>,
     /// PDOs that have arrived since the last row.
@@ -77,6 +89,7 @@ impl Canopen {
             asked: Vec::new(),
             answered: 0,
             is_next_due: false,
+            requests: Requests::default(),
             values: vec![f64::NAN; objects.all.len()],
             objects,
             arrived: Vec::new(),
@@ -91,7 +104,7 @@ impl Canopen {
 
     /// Whether PDOs alone make the rows, at the drive's own rhythm.
     fn is_free(&self) -> bool {
-        self.asked.is_empty() && !self.objects.is_synced
+        self.asked.is_empty() && !self.objects.is_synced && !self.requests.is_commanded
     }
 
     fn configured(&mut self, pdos: Vec<Pdo>, heard: &mut Vec<Heard>) {
@@ -124,7 +137,11 @@ impl Canopen {
                     heard.push(Heard::Talk(format!("the node is {state}")));
                 }
             }
-            Kind::Other => self.pdo(frame, arrival_ns, heard),
+            Kind::Other => {
+                let rival = self.requests.heard(frame.id, &frame.bytes, self.node);
+                heard.extend(rival.map(Heard::Fault));
+                self.pdo(frame, arrival_ns, heard);
+            }
         }
     }
 
@@ -139,6 +156,9 @@ impl Canopen {
         }
         heard.push(match code {
             0 => Heard::Talk("its emergency is over".into()),
+            code if self.requests.is_tried => Heard::Talk(format!(
+                "the drive reports emergency {code:04X} while its heartbeat is tried, as expected"
+            )),
             code => Heard::Fault(format!(
                 "the drive reports emergency {code:04X} (error register {register:02X})"
             )),
@@ -162,20 +182,40 @@ impl Canopen {
             }
             return;
         }
-        let wanted =
-            self.asked.get(self.answered).copied().filter(|_| self.asking.awaits() && !self.is_next_due);
-        let Some(index) = wanted.filter(|index| self.objects.all[*index].place == answer.place()) else {
+        let is_awaited = self.asking.awaits() && !self.is_next_due;
+        if !(is_awaited && (self.requests.take(&answer) || self.object(&answer, heard))) {
             self.asking.late(arrival_ns);
-            heard.push(Heard::Damaged("an answer of SDO came that was not asked for"));
+            let is_written = matches!(answer, Answer::Done(_));
+            heard.push(Heard::Damaged(if is_written {
+                UNASKED
+            } else {
+                "an answer of SDO came that was not asked for"
+            }));
             return;
+        }
+        self.is_next_due = self.next_line().is_some();
+        self.row(arrival_ns, heard);
+    }
+
+    /// Takes the answer for the object that is waited for; `false` if it is none.
+    fn object(&mut self, answer: &Answer, heard: &mut Vec<Heard>) -> bool {
+        let wanted = self.asked.get(self.answered).copied().filter(|_| self.requests.front().is_none());
+        let Some(index) = wanted.filter(|index| self.objects.all[*index].place == answer.place()) else {
+            return false;
         };
         match answer {
-            Answer::Value(_, bytes) => self.value(index, &bytes, heard),
+            Answer::Value(_, bytes) => self.value(index, bytes, heard),
+            Answer::Done(_) => return false,
             Answer::Abort(..) | Answer::Long(_) => heard.push(Heard::Damaged("the drive refused an object")),
         }
         self.answered += 1;
-        self.is_next_due = self.answered < self.asked.len();
-        self.row(arrival_ns, heard);
+        true
+    }
+
+    /// The next transfer of the present question.
+    fn next_line(&self) -> Option<Vec<u8>> {
+        let object = || Some(upload(self.node, self.objects.all[*self.asked.get(self.answered)?].place));
+        self.requests.front().map(|request| request.line(self.node)).or_else(object)
     }
 
     fn pdo(&mut self, frame: &CanFrame, arrival_ns: i64, heard: &mut Vec<Heard>) {
@@ -217,7 +257,10 @@ impl Canopen {
             }
         }
         if object.place == STATUSWORD {
-            let (state, is_fault) = state_of_drive(object.raw(bytes) as u16);
+            let word = object.raw(bytes) as u16;
+            let (state, is_fault) = state_of_drive(word);
+            self.requests.stated(word, is_fault);
+            let is_fault = is_fault && !self.requests.is_tried;
             if self.drive.replace(state) != Some(state) {
                 let text = format!("the drive is {state}");
                 heard.push(if is_fault { Heard::Fault(text) } else { Heard::Talk(text) });
@@ -233,6 +276,7 @@ impl Canopen {
     /// Hands on the row that was asked for, once all of it has arrived.
     fn row(&mut self, arrival_ns: i64, heard: &mut Vec<Heard>) {
         let is_whole = self.answered == self.asked.len()
+            && self.requests.front().is_none()
             && (!self.objects.is_synced || self.arrived.iter().all(|arrived| *arrived));
         if !self.is_free() && is_whole && self.asking.awaits() {
             let values = self.take_values();
@@ -292,17 +336,15 @@ impl Device for Canopen {
             return Ok(Some(flags_ns));
         }
         if let Some(next_ns) = self.asking.wait(now_ns) {
-            if std::mem::take(&mut self.is_next_due)
-                && let Some(index) = self.asked.get(self.answered)
-            {
-                out.extend(upload(self.node, self.objects.all[*index].place));
+            if std::mem::take(&mut self.is_next_due) {
+                out.extend(self.next_line().unwrap_or_default());
             }
             return Ok(Some(next_ns.min(flags_ns)));
         }
-        let first = self.asked.first().map(|index| upload(self.node, self.objects.all[*index].place));
-        let question =
-            [if self.objects.is_synced { sync() } else { Vec::new() }, first.unwrap_or_default()].concat();
         (self.answered, self.is_next_due) = (0, false);
+        self.requests.begin();
+        let sync = if self.objects.is_synced { sync() } else { Vec::new() };
+        let question = [self.requests.heartbeat.clone(), sync, self.next_line().unwrap_or_default()].concat();
         if self.objects.is_synced {
             self.take_values();
         }
@@ -317,6 +359,7 @@ impl Device for Canopen {
     fn interrupted(&mut self, heard: &mut Vec<Heard>) {
         self.take_values();
         (self.answered, self.is_next_due) = (0, false);
+        self.requests.interrupted();
         self.asking.interrupted(false, heard);
         self.adapter.interrupted(heard);
     }

@@ -80,16 +80,38 @@ fn canopen(args: &SourceArgs, address: &SourceAddress, node: u8, period_ns: i64)
     use socam_sources::can::canopen::{Canopen, Objects};
 
     let Some(list) = args.describe.as_deref() else {
-        let problem = format!(
-            "{address}: which objects are recorded is not known: name a list of them {}, as docs/devices.md explains it",
-            args.by_description()
-        );
-        return Err(WrongArguments(problem).into());
+        return Err(without_list(address, args.by_description()).into());
     };
     let opening = opening(&address.to_string(), bus(address)?, Access::Send)?;
     let device = Canopen::new(node, Objects::open(list)?, period_ns, opening)?;
     let text = socam_recording::read_text(list)?;
     Ok(Opened { description: Some(text), ..Opened::asked(Box::new(device)) })
+}
+
+/// The same drive to be commanded, which its list must allow.
+#[cfg(feature = "formats-can")]
+pub(super) fn commanded(
+    address: &SourceAddress,
+    list: Option<&std::path::Path>,
+    node: u8,
+    period_ns: i64,
+) -> anyhow::Result<socam_sources::can::canopen::CanopenDrive> {
+    use socam_sources::can::Access;
+    use socam_sources::can::canopen::{CanopenDrive, Objects};
+
+    let Some(list) = list else {
+        return Err(without_list(address, "by --describe FILE").into());
+    };
+    let opening = opening(&address.to_string(), bus(address)?, Access::Send)?;
+    let drive = CanopenDrive::new(node, Objects::open(list)?, period_ns, opening);
+    drive.map_err(|error| anyhow::anyhow!("`{}`: {error}", list.display()))
+}
+
+#[cfg(feature = "formats-can")]
+fn without_list(address: &SourceAddress, how: &str) -> WrongArguments {
+    WrongArguments(format!(
+        "{address}: which objects are recorded is not known: name a list of them {how}, as docs/devices.md explains it"
+    ))
 }
 
 /// The bus of an address.

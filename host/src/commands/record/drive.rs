@@ -9,8 +9,8 @@ use crate::output::{self, WrongArguments};
 /// Options of a drive that follows a profile.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct DriveArgs {
-    /// Limits of a drive that follows --profile: one of its speed, and one of its torque (moteus) or current (ODrive), as in
-    /// --limit 30rad/s --limit 0.5Nm. The drive is told them, and the run ends where they are exceeded
+    /// Limits of a drive that follows --profile: one of its speed, and one of its torque (moteus) or current (ODrive), with
+    /// CANopen whichever the list of objects names, as in --limit 30rad/s --limit 0.5Nm. The drive is told them, and the run ends where they are exceeded
     #[arg(long = "limit", value_name = "LIMIT", value_parser = limit)]
     limits: Vec<Limit>,
     /// Let a drive follow --profile. Without it, what would happen is said, and nothing is sent
@@ -67,15 +67,12 @@ pub(super) fn armed(args: &Args, address: &SourceAddress) -> anyhow::Result<Opti
         }
         return Ok(None);
     };
-    let Some(effort) = Effort::of(&address.protocol) else {
-        return Err(wrong(format!(
-            "--profile commands a board, a virtual bench or a drive; {address} is only listened to, so leave it out"
-        )));
-    };
+    let list = args.source.describe.as_deref();
+    let effort = Effort::of(address, list).map_err(wrong)?;
     let profile = args.record.load()?;
     let [speed_rad_s, effort] = limits(&args.drive, effort)?;
     let wish = Wish { name, profile, period_us: args.record.period_us()?, speed_rad_s, effort };
-    let following = Following::new(address, wish).map_err(wrong)?;
+    let following = Following::by_list(address, list, wish).map_err(wrong)?;
     let Terms { wish, limits, peak, promises: [kept, not_promised], .. } = &following.terms;
     output::say(format_args!(
         "{address} is to follow `{}`: up to {peak} {} for {:.1} s, within {limits}.",
@@ -101,16 +98,12 @@ fn limits(args: &DriveArgs, effort: Effort) -> anyhow::Result<[f64; 2]> {
                 efforts.push(value)
             }
             (Limit::Torque(_), Effort::Current) => {
-                return Err(WrongArguments(
-                    "an ODrive limits its current, not its torque, as in --limit 5A".into(),
-                )
-                .into());
+                let problem = "an ODrive, or a drive whose list names a current, limits its current, not its torque, as in --limit 5A";
+                return Err(WrongArguments(problem.into()).into());
             }
             (Limit::Current(_), Effort::Torque) => {
-                return Err(WrongArguments(
-                    "a moteus limits its torque, not its current, as in --limit 0.5Nm".into(),
-                )
-                .into());
+                let problem = "a moteus limits its torque, not its current, as in --limit 0.5Nm; so does a drive whose list names a torque";
+                return Err(WrongArguments(problem.into()).into());
             }
         }
     }

@@ -1,15 +1,17 @@
 //! A drive that is to follow a profile: what is refused before anything leaves for it, and what is said. The command line and the window share it.
 
+use std::path::Path;
+
 use socam_core::Generator;
+#[cfg(feature = "formats-can")]
+use socam_recording::Unit;
 use socam_recording::{ProfileCommand, ProfileFile, RecordingHeader};
 use socam_sources::moteus::Moteus;
 use socam_sources::odrive::Odrive;
 use socam_sources::{Commanded, Commands, Device, Drive, Limits};
 
 use super::attachment;
-#[cfg(feature = "formats-can")]
-use crate::device::source::Node;
-use crate::device::source::{Protocol, SourceAddress};
+use crate::device::source::{Node, Protocol, SourceAddress};
 
 /// Time without a command after which a drive stops by itself, s: longer than an ordinary computer pauses, and short for a machine.
 const WATCHDOG_S: f64 = 0.25;
@@ -24,19 +26,9 @@ pub(crate) enum Effort {
 }
 
 impl Effort {
-    /// What a drive limits beside its speed; `None` for devices that take no commands.
-    pub(crate) fn of(protocol: &Protocol) -> Option<Self> {
-        match protocol {
-            Protocol::Moteus(_) => Some(Self::Torque),
-            Protocol::Odrive(_) => Some(Self::Current),
-            #[cfg(feature = "formats-can")]
-            Protocol::Can(Node::Odrive(_)) => Some(Self::Current),
-            Protocol::Text
-            | Protocol::Can(_)
-            | Protocol::Dynamixel(_)
-            | Protocol::Feetech(_)
-            | Protocol::Foxglove(_) => None,
-        }
+    /// What a drive limits beside its speed, by the list of its objects where it has one; an error for devices that take no commands.
+    pub(crate) fn of(address: &SourceAddress, list: Option<&Path>) -> Result<Self, String> {
+        drive(address, list, 1_000_000).map(|(_, effort)| effort)
     }
 
     fn unit(self) -> &'static str {
@@ -79,14 +71,25 @@ pub(crate) struct Terms {
 
 impl Following {
     /// A drive with a wish, unless the wish passes its limits; an error is one sentence.
+    #[cfg(feature = "window")]
     pub(crate) fn new(address: &SourceAddress, wish: Wish) -> Result<Self, String> {
+        Self::by_list(address, None, wish)
+    }
+
+    /// The same of a drive that may need a list of its objects.
+    pub(crate) fn by_list(address: &SourceAddress, list: Option<&Path>, wish: Wish) -> Result<Self, String> {
         let period_ns = i64::from(wish.period_us) * 1000;
-        let (mut drive, effort) = drive(address, period_ns)?;
+        let (mut drive, effort) = drive(address, list, period_ns)?;
         let Wish { name, profile, period_us, .. } = &wish;
         let commands = match profile.command {
             ProfileCommand::Voltage => {
                 return Err(format!(
                     "the profile `{name}` commands a voltage; a drive takes speeds: `command = \"speed\"`, with levels and limits in rad/s, or torques: `command = \"torque\"`, in N m"
+                ));
+            }
+            ProfileCommand::Torque if takes_speeds_alone(&address.protocol) => {
+                return Err(format!(
+                    "the profile `{name}` commands a torque; a drive with CANopen takes speeds: `command = \"speed\"`, with levels and limits in rad/s"
                 ));
             }
             ProfileCommand::Torque => Commands::Torques,
@@ -153,8 +156,21 @@ impl Terms {
     }
 }
 
-/// The drive at an address, and what it limits beside its speed.
-fn drive(address: &SourceAddress, period_ns: i64) -> Result<(Box<dyn Drive>, Effort), String> {
+/// Whether torques cannot be commanded.
+fn takes_speeds_alone(protocol: &Protocol) -> bool {
+    matches!(protocol, Protocol::Can(Node::Canopen(_)))
+}
+
+/// The drive at an address, by the list of its objects where it has one, and what it limits beside its speed.
+#[cfg_attr(
+    not(feature = "formats-can"),
+    expect(unused_variables, reason = "lists are those of drives on a CAN bus")
+)]
+fn drive(
+    address: &SourceAddress,
+    list: Option<&Path>,
+    period_ns: i64,
+) -> Result<(Box<dyn Drive>, Effort), String> {
     let words = |error: socam_sources::SourceError| error.to_string();
     Ok(match address.protocol {
         Protocol::Moteus(id) => (Box::new(Moteus::new(id, period_ns).map_err(words)?), Effort::Torque),
@@ -164,13 +180,20 @@ fn drive(address: &SourceAddress, period_ns: i64) -> Result<(Box<dyn Drive>, Eff
             let drive = super::can::odrive(address, node, period_ns);
             (Box::new(drive.map_err(|error| format!("{error:#}"))?), Effort::Current)
         }
+        #[cfg(feature = "formats-can")]
+        Protocol::Can(Node::Canopen(node)) => {
+            let drive = super::can::commanded(address, list, node, period_ns);
+            let drive = drive.map_err(|error| format!("{error:#}"))?;
+            let is_torque = drive.channels()[drive.watched().effort].unit == Unit::Nm;
+            (Box::new(drive), if is_torque { Effort::Torque } else { Effort::Current })
+        }
         Protocol::Text
         | Protocol::Can(_)
         | Protocol::Dynamixel(_)
         | Protocol::Feetech(_)
         | Protocol::Foxglove(_) => {
             return Err(format!(
-                "a profile commands a board, a virtual bench or a drive; {address} is only listened to or asked"
+                "a profile commands a board, a virtual bench or a drive; {address} is only listened to or asked, so it follows none"
             ));
         }
     })
@@ -179,7 +202,7 @@ fn drive(address: &SourceAddress, period_ns: i64) -> Result<(Box<dyn Drive>, Eff
 /// What a drive limits beside its speed, and what it does not promise, whatever its limits are; `None` for devices that take no commands.
 #[cfg(feature = "window")]
 pub(crate) fn offered(address: &SourceAddress) -> Option<(Effort, Vec<String>)> {
-    let (mut drive, effort) = drive(address, 1_000_000).ok()?;
+    let (mut drive, effort) = drive(address, None, 1_000_000).ok()?;
     let commands = Commands::Speeds;
     drive.limit(Limits {
         speed_rad_s: 1.0,

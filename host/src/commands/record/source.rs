@@ -102,8 +102,12 @@ pub(super) fn run(args: &Args, path: &Path, address: &SourceAddress) -> anyhow::
     let opened_unix_ns = now_unix_ns();
     let (opened, commanded) = match armed {
         Some(Following { device, terms }) => {
-            refuse_description(&args.source)?;
-            (Opened::asked(device), Some(terms))
+            let list = args.source.describe.as_deref().filter(|_| has_list(address));
+            if list.is_none() || args.source.accept_guesses {
+                refuse_description(&args.source)?;
+            }
+            let description = list.map(socam_recording::read_text).transpose()?;
+            (Opened { description, ..Opened::asked(device) }, Some(terms))
         }
         None => {
             let period_ns = i64::from(args.record.period_us()?) * 1000;
@@ -156,8 +160,7 @@ pub(crate) fn open(
         Protocol::Dynamixel(ids) => Box::new(dynamixel::servos(ids, period_ns)?),
         Protocol::Feetech(ids) => Box::new(feetech::servos(ids, period_ns)?),
         Protocol::Can(node) => {
-            // A list of objects describes a drive with CANopen.
-            if args.accept_guesses || !matches!(node, Node::Canopen(_)) {
+            if args.accept_guesses || !has_list(address) {
                 refuse_description(args)?;
             }
             return can::open(link, args, period_ns, address, *node, interrupt);
@@ -180,6 +183,11 @@ pub(crate) fn open(
     };
     refuse_description(args)?;
     Ok(Opened::asked(asked))
+}
+
+/// Whether a list of objects describes the device.
+fn has_list(address: &SourceAddress) -> bool {
+    matches!(address.protocol, Protocol::Can(Node::Canopen(_)))
 }
 
 fn refuse_description(args: &SourceArgs) -> Result<(), WrongArguments> {

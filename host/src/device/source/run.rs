@@ -170,12 +170,12 @@ impl Run<'_> {
             std::thread::sleep(REOPEN_EVERY);
             if link.reopen() && self.device.last_words().is_some_and(|words| link.send(&words).is_ok()) {
                 return format!(
-                    "the link to {name} broke while it moved ({error}); it came back, and a stop was sent"
+                    "the link to {name} broke while it moved or was prepared for that ({error}); it came back, and a stop was sent"
                 );
             }
         }
         format!(
-            "the link to {name} broke while it moved ({error}), so no stop could be sent: only its own watchdog stops it; see that it is at rest"
+            "the link to {name} broke while it moved or was prepared for that ({error}), so no stop could be sent: only its own watchdog stops it; see that it is at rest"
         )
     }
 

@@ -1,7 +1,8 @@
 //! Reads which PDOs a drive sends, and which objects they hold, out of the drive itself (CiA 301, objects 1800 and 1A00 and those behind them).
 
 use super::messages::{Answer, abort_text, upload};
-use super::objects::{Objects, Place, written};
+use super::objects::Objects;
+use super::place::{Place, written};
 use crate::error::{Result, SourceError};
 
 /// PDOs that are looked at; drives have four.
@@ -60,6 +61,11 @@ impl Discovery {
         Self { node, number: 0, step: Step::Id, pdos: Vec::new(), present, asked: None }
     }
 
+    /// Without PDOs: all objects are asked for.
+    pub(super) fn of_objects(node: u8) -> Self {
+        Self { step: Step::Object(0), ..Self::new(node) }
+    }
+
     /// The PDOs, once all is known.
     pub(super) fn done(&mut self) -> Option<Vec<Pdo>> {
         (self.step == Step::Done).then(|| std::mem::take(&mut self.pdos))
@@ -99,16 +105,11 @@ impl Discovery {
 
     /// Takes an answer; one to another question is left out.
     pub(super) fn take(&mut self, answer: &Answer, objects: &Objects) -> Result<()> {
-        if self.wanted(objects) != Some(answer.place()) {
+        if self.wanted(objects) != Some(answer.place()) || matches!(answer, Answer::Done(_)) {
             return Ok(());
         }
         self.asked = None;
-        let number = match answer {
-            Answer::Value(_, bytes) => {
-                Some(bytes.iter().rev().fold(0, |whole: u32, byte| whole << 8 | u32::from(*byte)))
-            }
-            Answer::Abort(..) | Answer::Long(_) => None,
-        };
+        let number = answer.number();
         match (self.step, number) {
             (Step::Object(index), _) => return self.checked(index, answer, objects),
             // Bit 31: it is not used; bit 29: its identifier has 29 bits.
@@ -185,6 +186,7 @@ impl Discovery {
                 "the drive states {name} with {} bytes; line {line} of the list says {width}: correct its type",
                 bytes.len()
             ))),
+            Answer::Done(_) => Ok(()),
             Answer::Abort(place, code) => Err(SourceError::Foreign(format!(
                 "the drive does not give {} (line {line} of the list): {}",
                 written(*place),

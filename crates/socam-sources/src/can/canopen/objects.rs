@@ -5,6 +5,8 @@ use std::path::Path;
 use socam_import::ChannelMap;
 use socam_recording::{Channel, Fields, SettingsError, read_settings};
 
+use super::commands::{self, Marked};
+use super::place::{Place, written};
 use crate::error::Result;
 use crate::text::{Number, Unwrap};
 
@@ -12,9 +14,6 @@ use crate::text::{Number, Unwrap};
 pub const SCHEMA: &str = "socam.canopen/1";
 /// Most objects of a list.
 const MOST: usize = 64;
-
-/// Where an object is: index and subindex.
-pub(super) type Place = (u16, u8);
 
 /// An object that becomes a channel.
 #[derive(Debug, Clone)]
@@ -31,6 +30,8 @@ pub struct Objects {
     pub(super) all: Vec<Object>,
     /// Whether SYNC is sent for each row, for PDOs that wait for it.
     pub(super) is_synced: bool,
+    /// Whether and how the drive may be commanded.
+    pub(super) marked: Option<Marked>,
 }
 
 impl Objects {
@@ -60,6 +61,8 @@ impl Objects {
         let mut fields = Fields::parse(text)?;
         fields.schema(SCHEMA);
         let is_synced = fields.is_given("sync") && fields.flag("sync");
+        let marked =
+            if fields.is_given("commands") { fields.table("commands", commands::read) } else { None };
         let all: Vec<Option<Object>> = fields.named_tables("channels", |name, fields| {
             let map = ChannelMap::read(name, fields);
             let found = object(&map.signal);
@@ -93,7 +96,7 @@ impl Objects {
                 return Err(SettingsError::at(object.map.line, message).into());
             }
         }
-        Ok(Self { all, is_synced })
+        Ok(Self { all, is_synced, marked })
     }
 
     /// The channels of every row.
@@ -128,11 +131,6 @@ impl Object {
     pub(super) fn name(&self) -> String {
         written(self.place)
     }
-}
-
-/// An object as people write it: `606C:00`.
-pub(super) fn written((index, sub): Place) -> String {
-    format!("{index:04X}:{sub:02X}")
 }
 
 /// Place and type of `606C:00 i32`; an object of CANopen that comes in one answer has four bytes at most.

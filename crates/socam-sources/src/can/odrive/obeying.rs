@@ -62,7 +62,8 @@ impl Drive for OdriveCan {
 
     fn standing(&self) -> Standing {
         let silent = || Standing::Other("silent about its state: it sends no heartbeats".into());
-        if self.has_rival {
+        // Whether it has stopped is said by its state alone.
+        if self.has_rival && !matches!(self.order, Order::Stop | Order::Release) {
             return Standing::Fault("another program on the bus commands this ODrive".into());
         }
         let Some((arrival_ns, error, state)) = self.heartbeat else { return silent() };
