@@ -145,8 +145,9 @@ fn ended(child: Child) -> Ran {
     Ran::from(child.wait_with_output().unwrap())
 }
 
-#[test]
-fn a_moteus_follows_a_profile_and_its_recording_gives_its_inertia() {
+/// What a recording of a moteus that follows a profile gives, kg m2 and N m; `None` where it does not determine it.
+fn inertia_and_friction() -> [Option<f64>; 2] {
+    let mut found = [None; 2];
     Bench::with(|bench| {
         let arguments = bench.arguments(&LIMITS);
         let ran = run(arguments.iter().map(String::as_str).chain(["--arm", "--json"]));
@@ -172,12 +173,21 @@ fn a_moteus_follows_a_profile_and_its_recording_gives_its_inertia() {
         std::fs::write(&model, MODEL).unwrap();
         let fitted = run(["identify", &bench.path("run.mcap"), "--model", &model, "--json"]).json();
         let parameters = fitted["parameters"].as_array().unwrap();
-        let value = |name: &str| {
-            parameters.iter().find(|one| one["name"] == name).unwrap()["value"].as_f64().unwrap()
-        };
-        // 4 kg cm2 and a friction of 0.01 N m. Torques are sampled as commands arrive, before they act, so that the inertia comes out low.
-        assert!((3.3e-4..4.2e-4).contains(&value("J")) && (value("f") - 0.01).abs() < 2e-3, "{parameters:?}");
+        let value = |name: &str| parameters.iter().find(|one| one["name"] == name).unwrap()["value"].as_f64();
+        found = [value("J"), value("f")];
     });
+    found
+}
+
+/// A computer that is busy elsewhere delays commands and answers by so much that a recording may not determine both: it is taken again.
+#[test]
+fn a_moteus_follows_a_profile_and_its_recording_gives_its_inertia() {
+    let mut found = (0..3).map(|_| inertia_and_friction());
+    // 4 kg cm2 and a friction of 0.01 N m. Torques are sampled as commands arrive, before they act, so that the inertia comes out low.
+    let [inertia, friction] = found
+        .find_map(|[inertia, friction]| Some([inertia?, friction?]))
+        .expect("three recordings determined nothing");
+    assert!((3.3e-4..4.2e-4).contains(&inertia) && (friction - 0.01).abs() < 2e-3, "{inertia} {friction}");
 }
 
 #[test]
