@@ -355,7 +355,7 @@ fn what_only_a_board_understands_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let refused = record("udp:127.0.0.1:9", &path(&folder, "x.mcap"), &["--profile", "steps"]);
     assert!(
-        refused.refusal(2).contains("--profile commands a board, a virtual bench or a drive"),
+        refused.refusal(2).contains("a profile commands a board, a virtual bench or a drive"),
         "{refused:?}"
     );
     assert_eq!(run(["devices", "--json"]).json()["schema"], "socam.devices/1");

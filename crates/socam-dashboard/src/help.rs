@@ -59,7 +59,10 @@ const FRAME: [(&str, Help); 2] = [
                 "File",
                 "New (forgets the signal), Open, Open recent (the last twelve files), Save (the signal), Save recording (as .csv or .m), Simulate (the model's answer to the shown recordings, over them), Export",
             ),
-            ("Edit", "Undo, Redo, Cut, Copy, Paste: of the input signal, as text"),
+            (
+                "Edit",
+                "Undo, Redo: changes of the view in Time and Machine, of the input signal elsewhere; Cut, Copy, Paste: of the input signal, as text",
+            ),
             ("View", "the views, light or dark, the size of everything"),
             ("Input Signal", "what the bench is to do"),
             (
@@ -149,7 +152,7 @@ fn commands(ui: &mut Ui, fits: &dyn Fn(&[&str]) -> bool) -> Option<Command> {
     if shown.is_empty() {
         return None;
     }
-    heading(ui, "Keys");
+    heading(ui, "Commands and their keys; Esc is the EMERGENCY STOP");
     Grid::new("keys").num_columns(2).spacing([16.0, 3.0]).striped(true).show(ui, |ui| {
         for (command, words, keys) in shown {
             let button = ui.add(Button::new(RichText::new(&words).color(theme::good(ui))).frame(false));
@@ -173,7 +176,7 @@ fn rows<'a>(ui: &mut Ui, title: &str, rows: impl Iterator<Item = &'a (&'static s
     Grid::new(title).num_columns(2).spacing([16.0, 5.0]).striped(true).show(ui, |ui| {
         for (control, text) in rows {
             ui.label(RichText::new(*control).color(theme::good(ui)));
-            ui.add(egui::Label::new(*text).wrap());
+            ui.add(egui::Label::new(socam_chart::numbers::plain(text)).wrap());
             ui.end_row();
         }
     });

@@ -14,7 +14,7 @@ const SMALLEST_P: f64 = 1e-15;
 const DAY_MS: f64 = 86_400_000.0;
 
 /// Text for a machine that stands out although no material effect was found in it.
-pub const UNNAMED: &str = "stands out; nothing named that is material";
+pub const UNNAMED: &str = "no effect named";
 
 /// One line without a full stop: how many machines lack physics, how many parameters change, and how many machines differ.
 #[must_use]

@@ -168,7 +168,7 @@ impl Drive for Moteus {
         ));
         not_promised.extend([
 
-                "What it does then is its setting `servo.timeout_mode`, by default braking with up to `servo.timeout_max_torque_Nm`, 5 N m by default; it cannot be read here.".into(),
+                "Once its watchdog has acted, it does what its setting `servo.timeout_mode` says, by default braking with up to `servo.timeout_max_torque_Nm`, 5 N m by default; it cannot be read here.".into(),
                 "It does not limit the speed that a load drives it to: this computer ends the run when a speed beyond the limit is measured.".into(),
                 "When the run ends the motor is switched off: it coasts, and a weight falls.".into(),
         ]);

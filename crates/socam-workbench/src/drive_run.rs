@@ -177,6 +177,17 @@ fn form(name: &str, command: ProfileCommand, largest: f64) -> Result<ProfileFile
     let slew = if command == ProfileCommand::Torque { USUAL_1_S * largest } else { USUAL_RAD_S2 };
     (file.limit, file.slew) = (largest, slew.clamp(SLEW[0], SLEW[1]));
     input_signal::set_amplitude(&mut file, 0.5 * largest);
+    // Those of the built-in profiles speak of a bench of steady speed, and of higher frequencies.
+    file.purpose = match name {
+        "multisine" => Some(format!(
+            "stiffness, damping and inertia: all frequencies from 0.5 to {HIGHEST_HZ} Hz at once, the even ones left free to show nonlinearity"
+        )),
+        "chirp" => Some(format!(
+            "resonances, one after the other: a sine that climbs from 0.5 to {HIGHEST_HZ} Hz with equal time in every octave"
+        )),
+        "sine" => Some("a sine around zero".into()),
+        _ => file.purpose.take(),
+    };
     Ok(file)
 }
 

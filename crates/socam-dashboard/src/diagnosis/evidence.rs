@@ -47,7 +47,7 @@ fn colours(ui: &Ui) -> [Color32; 2] {
     [theme::alarm(ui), theme::good(ui)]
 }
 
-/// One chart per output channel, side by side.
+/// One chart per output channel, side by side where there is room.
 fn over(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<Seen>) {
     let count = evidence.channels.len().max(1) as f32;
     let noise = if choice.over == Over::Frequency {
@@ -56,9 +56,7 @@ fn over(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<See
         "grey: noise of single samples, ±1 standard deviation; ribbons: ±2 standard errors of the mean"
     };
     ui.horizontal_wrapped(|ui| legend(ui, choice.sides, noise));
-    let size = vec2((ui.available_width() - 8.0 * (count - 1.0)) / count, ui.available_height().max(120.0));
-    ui.horizontal_top(|ui| {
-        ui.spacing_mut().item_spacing.x = 8.0;
+    let mut all = |ui: &mut Ui, size| {
         for channel in &evidence.channels {
             if choice.over == Over::Frequency {
                 spectrum(ui, channel, &choice, size, seen);
@@ -66,7 +64,21 @@ fn over(ui: &mut Ui, evidence: &Evidence, choice: Choice<'_>, seen: &mut Vec<See
                 binned(ui, channel, &choice, size, seen);
             }
         }
+    };
+    if is_stacked(evidence, ui.available_width()) {
+        return all(ui, vec2(ui.available_width(), STACKED));
+    }
+    let size = vec2((ui.available_width() - 8.0 * (count - 1.0)) / count, ui.available_height().max(120.0));
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = 8.0;
+        all(ui, size);
     });
+}
+
+/// Whether one chart per channel is too narrow side by side, so that they are drawn below each other.
+pub(super) fn is_stacked(evidence: &Evidence, width: f32) -> bool {
+    let count = evidence.channels.len().max(1) as f32;
+    (width - 8.0 * (count - 1.0)) / count < NARROW
 }
 
 /// What the colours are, in a row; `noise` says what is grey.
@@ -113,6 +125,8 @@ fn binned(
 
 /// Width below which the name of a horizontal axis is its first word, points.
 const NARROW: f32 = 260.0;
+/// Height of charts below each other, points.
+const STACKED: f32 = 150.0;
 
 /// The unit in which a channel, or an axis without a name, is shown.
 fn shown_in(units: &DisplayUnits, name: &str, unit: &str) -> ShownIn {

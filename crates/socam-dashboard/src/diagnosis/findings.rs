@@ -33,7 +33,7 @@ pub(super) fn list(
     if let Some(next) = &diagnosis.suggested_experiment {
         card(ui, false, |ui| {
             wanted.place = Some(ui.label(RichText::new("What to record next").strong()).rect);
-            ui.label(&next.sentence);
+            ui.label(numbers::plain(&next.sentence));
             if !next.tells_apart.is_empty() {
                 ui.label(
                     RichText::new(format!("tells apart {}", apart(&next.tells_apart)))

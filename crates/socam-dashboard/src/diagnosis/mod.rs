@@ -192,7 +192,9 @@ impl DiagnosisPage {
             return;
         };
         let drawing_height = drawing::height(model, diagnosis, ui.available_width());
-        let is_low = ui.available_height() < drawing_height + LEAST_PICTURE;
+        let width = ui.available_width();
+        let is_low = ui.available_height() < drawing_height + LEAST_PICTURE
+            || evidence.as_ref().is_some_and(|evidence| evidence::is_stacked(evidence, width));
         let mut charts = |ui: &mut Ui| {
             choice::ui(ui, over, sides);
             let view = choice::Choice {

@@ -13,22 +13,22 @@ use super::columns;
 /// Draws the form, whose parts take the keyboard's focus when it `is_new`; true when it is left.
 pub(super) fn ui(ui: &mut Ui, form: &mut NewModel, workspace: &mut Workspace, is_new: bool) -> bool {
     ui.heading("New model");
-    let text = "From the motor to the load, with | between the parts. It is drawn as you type.";
+    let text = "From the motor to the load, with | between the parts; drives and measurements one a line. Drawn as you type.";
     ui.add(Label::new(RichText::new(text).color(theme::weak(ui))).wrap());
     ui.add_space(4.0);
     field(ui, "Name of the model", &mut form.words.name, 1);
-    let parts = field(ui, "Parts", &mut form.words.chain, 4);
+    let parts = field(ui, "Parts", &mut form.words.chain, 3);
     if is_new {
         parts.request_focus();
     }
     under(ui, form, Field::Chain);
-    field(ui, "Drives", &mut form.words.drives, 1);
+    field(ui, "Drives", &mut form.words.drives, 2);
     under(ui, form, Field::Drives);
     field(ui, "Measured", &mut form.words.measures, 2);
     under(ui, form, Field::Measures);
     form.update();
     if let (Some(_), Some(_)) = form.model() {
-        let text = "Drawn are the last words that were understood.";
+        let text = "The drawing shows the last text that was understood.";
         ui.add(Label::new(RichText::new(text).small().color(theme::weak(ui))).wrap());
     }
     columns(ui, form, workspace);
@@ -51,7 +51,10 @@ fn field(ui: &mut Ui, name: &str, text: &mut String, rows: usize) -> Response {
 /// What is wrong with a field.
 fn under(ui: &mut Ui, form: &NewModel, field: Field) {
     if let Some(problem) = form.model().1.filter(|problem| problem.field == field) {
-        ui.add(Label::new(RichText::new(&problem.sentence).color(theme::alarm(ui))).wrap());
+        ui.add(
+            Label::new(RichText::new(socam_chart::numbers::plain(&problem.sentence)).color(theme::alarm(ui)))
+                .wrap(),
+        );
     }
 }
 

@@ -176,7 +176,7 @@ impl MachineView {
     /// The ways to a model: one that is known, one of a file, a new one.
     fn doors(&mut self, ui: &mut Ui, workspace: &mut Workspace) {
         if workspace.revision() == 0 {
-            let text = "No model of your machine is open yet: this is the one that is built in.";
+            let text = "No model of your machine is open yet: this is a built-in one.";
             ui.label(RichText::new(text).color(theme::weak(ui)));
         }
         if let Some(model) = model_choice::ui(ui, workspace) {
@@ -229,7 +229,8 @@ impl MachineView {
     fn time_line(&mut self, ui: &mut Ui, workspace: &mut Workspace, recording: Option<&Recording>) {
         let Some(recording) = recording else {
             ui.horizontal_wrapped(|ui| {
-                ui.label("A recording that is open moves the machine.");
+                crate::together::level(ui);
+                ui.label("A recording that is open and shown moves the machine.");
                 if ui.button("Open...").on_hover_text("Recordings, models, results (Ctrl+O)").clicked() {
                     workspace.request(Request::Ask);
                 }

@@ -229,16 +229,13 @@ impl Player {
 }
 
 /// What is drawn, in words.
-fn said(motion: Option<&Motion>) -> &'static str {
-    match motion {
-        Some(motion) if motion.nodes.iter().any(|node| node.predicted.is_some()) => {
-            "Spokes: measured (thin where the nearest sensor is beyond a spring). Hollow needles: predicted."
-        }
-        Some(_) => {
-            "Spokes: measured (thin where the nearest sensor is beyond a spring). Nothing is predicted."
-        }
-        None => "",
-    }
+fn said(motion: Option<&Motion>) -> String {
+    let Some(motion) = motion else { return String::new() };
+    let [own, weak, other] =
+        if motion.rotates { ["Spokes", "thin", "Hollow needles"] } else { ["Dots", "grey", "Rings"] };
+    let is_predicted = motion.nodes.iter().any(|node| node.predicted.is_some());
+    let rest = if is_predicted { format!("{other}: predicted.") } else { "Nothing is predicted.".into() };
+    format!("{own}: measured ({weak} where the nearest sensor is beyond a spring). {rest}")
 }
 
 /// A scale as text: `×10`, `1/50`.

@@ -84,7 +84,8 @@ pub(super) fn bar(ui: &mut Ui, counts: &Counts) {
         let width = LEAST + spare * count as f32 / all;
         let part = Rect::from_min_size(pos2(left, rect.top()), vec2(width - 1.0, BAR));
         painter.rect_filled(part, 0.0, kind.colour(ui));
-        let ground = if ui.visuals().dark_mode { Color32::BLACK } else { Color32::WHITE };
+        let is_light = kind == RowVerdict::Unexplained;
+        let ground = if ui.visuals().dark_mode || is_light { Color32::BLACK } else { Color32::WHITE };
         let text = painter.layout_no_wrap(count.to_string(), FontId::proportional(12.5), ground);
         if text.size().x + 8.0 < width {
             let at = Align2::CENTER_CENTER.anchor_size(part.center(), text.size());
@@ -93,6 +94,7 @@ pub(super) fn bar(ui: &mut Ui, counts: &Counts) {
         left += width;
     }
     ui.horizontal_wrapped(|ui| {
+        ui.label("Recordings:");
         for (kind, (count, word)) in RowVerdict::ALL.into_iter().zip(kinds) {
             let text = format!("{count} {word}");
             crate::together::keep(ui, &text, SIZE + 4.0);

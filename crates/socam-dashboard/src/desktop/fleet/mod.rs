@@ -58,7 +58,7 @@ impl ViewPanel for FleetView {
             });
             return;
         };
-        let usual = (0.42 * ui.available_width()).clamp(280.0, 620.0);
+        let usual = (0.42 * ui.available_width()).clamp(280.0, 860.0);
         let width = layout::panel(ui, "fleet", usual);
         let panel = egui::Panel::left("fleet").default_size(width).size_range(220.0..=900.0);
         let panel = panel.show(ui, |ui| fleet.machines(ui));

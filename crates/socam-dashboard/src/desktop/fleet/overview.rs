@@ -102,7 +102,13 @@ impl Fleet {
         let of = |count: usize, tested: usize| format!("{count} of {tested}");
         ui.horizontal_wrapped(|ui| {
             for (section, text) in [
-                (Section::Missing, format!("Missing physics: {}", summary.groups.len())),
+                (
+                    Section::Missing,
+                    format!(
+                        "Missing physics: {}",
+                        words::counted(summary.groups.len() as u64, "effect", "effects")
+                    ),
+                ),
                 (Section::Changes, format!("Changes: {}", of(summary.trends.len(), summary.trends_tested))),
                 (
                     Section::Differences,
@@ -129,8 +135,14 @@ impl Fleet {
         }
         note(
             ui,
-            "What is missing by effect and place; a click on one leaves its machines in the list at the left.",
+            "What is missing by effect and place; a click on one leaves its machines in the list at the left. Circles below: sizes with 95 % intervals.",
         );
+        let faulty = &self.listing.summary.faulty;
+        let unnamed = faulty.iter().filter(|one| one.findings.is_empty()).count();
+        if unnamed > 0 {
+            let machines = words::counted(unnamed as u64, "machine", "machines");
+            note(ui, &format!("Without a named effect, and not in this table: {machines}."));
+        }
         let mut pressed = None;
         let chosen = self.wish.group.clone();
         let is_chosen = |group: &Group| chosen.as_ref().is_some_and(|key| listing::is(group, key));

@@ -59,7 +59,9 @@ pub(super) fn cell(ui: &mut Ui, row: &Row, column: usize) {
         4 => {
             let kind = RowVerdict::of(row);
             kind.mark(ui);
-            let text = RichText::new(words::verdict(row.verdict, row.status)).color(kind.colour(ui));
+            // Its colour is too light for text.
+            let colour = if kind == RowVerdict::Unexplained { theme::body(ui) } else { kind.colour(ui) };
+            let text = RichText::new(words::verdict(row.verdict, row.status)).color(colour);
             ui.add(Label::new(text).truncate());
         }
         5 => number(ui, row.p_value.map(words::scientific)),

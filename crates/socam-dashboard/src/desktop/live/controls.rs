@@ -174,7 +174,9 @@ fn recording(ui: &mut Ui, bench: &Connection, next: &mut NextRun) -> Option<Acti
             let counts = counts.or_else(|| bench.source_state()?.recorded);
             let text = counts
                 .map_or_else(String::new, |[written, lost]| format!(": {written} samples, {lost} lost"));
-            ui.label(RichText::new(format!("recording {path}{text}")).color(theme::good(ui)));
+            let is_whole = counts.is_none_or(|[_, lost]| lost == 0);
+            let colour = if is_whole { theme::good(ui) } else { theme::alarm(ui) };
+            ui.label(RichText::new(format!("recording {path}{text}")).color(colour));
         }
         Some((text, well)) => {
             ui.label(RichText::new(text).color(if *well { theme::good(ui) } else { theme::alarm(ui) }));

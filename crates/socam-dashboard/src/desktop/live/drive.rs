@@ -71,7 +71,7 @@ pub(super) fn limits(ui: &mut Ui, bench: &Connection, offer: &Offer, run: &mut D
 
 fn sentence(ui: &mut Ui, text: &str, is_warning: bool) {
     let colour = if is_warning { theme::body(ui) } else { theme::weak(ui) };
-    ui.add(Label::new(RichText::new(text).small().color(colour)).wrap());
+    ui.add(Label::new(RichText::new(socam_chart::numbers::plain(text)).small().color(colour)).wrap());
 }
 
 /// A limit; 0 is shown as not set.

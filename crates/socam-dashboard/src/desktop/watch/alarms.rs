@@ -152,7 +152,7 @@ pub(super) fn sentence(alarm: &Alarm) -> String {
         format!("; {}", names.collect::<Vec<_>>().join(" or "))
     });
     format!(
-        "the bench left its model about {:.1} s before the alarm, most in {}: {}, {:.1} standard deviations{causes}",
+        "the bench departed from its model about {:.1} s before the alarm, most in {}: {}, {:.1} standard deviations{causes}",
         alarm.time_s - alarm.onset_s,
         alarm.channel,
         alarm.symptom,

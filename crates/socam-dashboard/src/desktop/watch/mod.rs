@@ -148,7 +148,7 @@ impl ViewPanel for WatchView {
         &[
             (
                 "Watch",
-                "runs the model beside a recording or the running bench, and raises an alarm when the two part",
+                "runs the model beside a recording or the running bench, and raises an alarm when the two disagree",
             ),
             ("What is watched; Speed", "the running bench, or a recording and how fast it is replayed"),
             (

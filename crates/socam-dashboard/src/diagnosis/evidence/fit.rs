@@ -10,6 +10,9 @@ use socam_chart::table::heads;
 use socam_chart::theme;
 use socam_workbench::display_units::{DisplayUnits, ShownIn};
 
+/// Width of the columns beside that of the bars, points.
+const COLUMNS: f32 = 430.0;
+
 pub(super) fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides, units: &DisplayUnits) {
     ui.label(
         RichText::new(
@@ -18,7 +21,9 @@ pub(super) fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides, units: &Disp
         .small()
         .color(theme::weak(ui)),
     );
-    egui::Grid::new("fit bars").striped(true).spacing([18.0, 6.0]).show(ui, |ui| {
+    let width = (ui.available_width() - COLUMNS).clamp(80.0, 300.0);
+    let grid = egui::Grid::new("fit bars").striped(true).spacing([18.0, 6.0]);
+    let rows = |ui: &mut Ui| {
         heads(ui, &["channel", "data", "residual / noise floor", "before", "after", "noise floor", "unit"]);
         for (name, fit) in &diagnosis.fit.channels {
             let ShownIn { unit, per_si } = shown_in(units, name, &fit.unit);
@@ -29,7 +34,7 @@ pub(super) fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides, units: &Disp
             for (data, before, after) in rows {
                 ui.strong(if data == "fitted" { name.as_str() } else { "" });
                 ui.label(data);
-                bars(ui, [before, after], fit.noise_std, sides);
+                bars(ui, width, ([before, after], fit.noise_std), sides);
                 for value in [before, after, fit.noise_std] {
                     let text = value.map_or("-".into(), |value| significant(per_si * value, 3));
                     ui.label(RichText::new(text).monospace());
@@ -38,12 +43,13 @@ pub(super) fn fit(ui: &mut Ui, diagnosis: &Diagnosis, sides: Sides, units: &Disp
                 ui.end_row();
             }
         }
-    });
+    };
+    egui::ScrollArea::horizontal().id_salt("fit").show(ui, |ui| grid.show(ui, rows));
 }
 
 /// Bars of both residuals on a logarithmic scale from 0.5 to 30 times the noise.
-fn bars(ui: &mut Ui, values: [Option<f64>; 2], noise_std: Option<f64>, sides: Sides) {
-    let (rect, response) = ui.allocate_exact_size(vec2(300.0, 20.0), egui::Sense::hover());
+fn bars(ui: &mut Ui, width: f32, (values, noise_std): ([Option<f64>; 2], Option<f64>), sides: Sides) {
+    let (rect, response) = ui.allocate_exact_size(vec2(width, 20.0), egui::Sense::hover());
     let Some(noise) = noise_std.filter(|noise| *noise > 0.0) else { return };
     let painter = ui.painter_at(rect);
     let at = |ratio: f64| {

@@ -90,7 +90,7 @@ fn offered(look: Look, does: &str, limits: Vec<Option<f64>>) -> (Dashboard, Benc
             "Each command holds a watchdog: the drive leaves its position mode 0.25 s after the last command that it got.".into(),
         ],
         not_promised: vec![
-            "What it does then is its setting `servo.timeout_mode`, by default braking with up to `servo.timeout_max_torque_Nm`, 5 N m by default; it cannot be read here.".into(),
+            "Once its watchdog has acted, it does what its setting `servo.timeout_mode` says, by default braking with up to `servo.timeout_max_torque_Nm`, 5 N m by default; it cannot be read here.".into(),
             "When the run ends the motor is switched off: it coasts, and a weight falls.".into(),
         ],
         command: format!("socam-host record --device '{DRIVE}' -o run.mcap --profile speeds.toml --limit 30rad/s --limit 0.5Nm --arm"),
