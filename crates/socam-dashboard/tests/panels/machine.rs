@@ -40,7 +40,7 @@ fn value(window: &Window, name: &str) -> (f64, bool) {
 #[test]
 fn an_element_shows_what_it_has_and_its_values_are_changed_and_taken_back() {
     let mut window = machine("two-mass", 0);
-    window.get_by_label("A recording that is open moves the machine.");
+    window.get_by_label("A recording that is open and shown moves the machine.");
     click(&mut window, "shaft: spring with damper");
     window.get_by_label("Value of stiffness");
     assert!(window.query_by_label("Value of load_inertia").is_none());
