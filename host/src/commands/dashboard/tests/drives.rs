@@ -60,7 +60,8 @@ impl Drive {
                 let _ = line.write_all(&answer);
             }
         }
-        drop(theirs);
+        // Kept open, so that no other test gets a terminal of this name while the window still looks for its drive.
+        std::mem::forget(theirs);
     }
 
     fn now(&self) -> MutexGuard<'_, MoteusSimulator> {
