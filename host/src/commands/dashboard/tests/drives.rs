@@ -46,11 +46,11 @@ impl Drive {
 
     fn serve(&self, mut line: TTYPort, theirs: TTYPort) {
         line.set_timeout(Duration::from_millis(1)).unwrap();
-        let (mut line, mut theirs) = (Some(line), Some(theirs));
+        let mut line = Some(line);
         let (begin, mut bytes) = (Instant::now(), [0; 4096]);
         while !self.is_over.load(Ordering::Relaxed) {
             if self.is_cut.load(Ordering::Relaxed) {
-                (line, theirs) = (None, None);
+                line = None;
                 std::thread::sleep(Duration::from_millis(1));
             }
             let count = line.as_mut().and_then(|line| line.read(&mut bytes).ok()).unwrap_or(0);
