@@ -175,14 +175,14 @@ impl<'p> Bench<'p> {
         counts.fill(0);
         let (converter, empty_bits) = (self.converter, self.empty_bits);
         // The mean is centred on the previous sample: hum is evaluated there.
-        let volts: Vec<f64> = self.read(from_s, step_s).collect();
-        for (count, volts) in counts.iter_mut().zip(&volts) {
-            *count = i32::from(converter.count(*volts) << empty_bits);
+        let of_transducer = self.transducer.as_ref().map(|(place, _)| *place);
+        let mut codes = None;
+        for (place, (count, volts)) in counts.iter_mut().zip(self.read(from_s, step_s)).enumerate() {
+            *count = i32::from(converter.count(volts) << empty_bits);
+            codes = codes.or((of_transducer == Some(place)).then_some(volts));
         }
-        if let Some((place, transducer)) = &mut self.transducer
-            && let Some((count, codes)) = counts.get_mut(*place).zip(volts.get(*place))
-        {
-            *count = transducer.step(to_s, *codes);
+        if let Some(((place, transducer), codes)) = self.transducer.as_mut().zip(codes) {
+            counts[*place] = transducer.step(to_s, codes);
         }
         if let Some(gearmotor) = &self.gearmotor {
             gearmotor.read(counts);
