@@ -32,16 +32,14 @@ impl Drive for OdriveCan {
 
     fn bytes(&self, order: Order) -> Vec<u8> {
         let to = self.to;
+        // What is commanded is set before the axis obeys, which is requested once: an axis that switches itself off stays off.
+        let obeyed = |command: Vec<u8>| {
+            let state = if self.is_begun { Vec::new() } else { to.state(CLOSED_LOOP) };
+            [command, state].concat()
+        };
         let mut lines = match (order, self.limits) {
-            (Order::Speed(speed_rad_s), Some(_)) => {
-                // The speed is set before the axis obeys, which is requested once: an axis that switches itself off stays off.
-                let state = if self.is_begun { Vec::new() } else { to.state(CLOSED_LOOP) };
-                [to.velocity(speed_rad_s / TAU), state].concat()
-            }
-            (Order::Torque(torque_nm), Some(_)) => {
-                let state = if self.is_begun { Vec::new() } else { to.state(CLOSED_LOOP) };
-                [to.torque(torque_nm), state].concat()
-            }
+            (Order::Speed(speed_rad_s), Some(_)) => obeyed(to.velocity(speed_rad_s / TAU)),
+            (Order::Torque(torque_nm), Some(_)) => obeyed(to.torque(torque_nm)),
             (Order::Stop, _) => to.state(IDLE),
             (Order::Prepare, Some(limits)) => {
                 let settings = to.settings(limits.commands, limits.speed_rad_s / TAU, limits.effort);
