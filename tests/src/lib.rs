@@ -6,12 +6,14 @@ mod draw;
 pub mod emulator;
 mod ending;
 pub mod firmware;
+mod following;
 mod process;
 pub mod readers;
 
 pub use crew::in_parallel;
 pub use draw::Draw;
 pub use ending::Ending;
+pub use following::assert_follows;
 pub use process::{Ran, program, record, run, socam_host};
 
 use std::path::PathBuf;

@@ -11,7 +11,7 @@ use socam_recording::Dataset;
 use socam_sources::simulators::{
     BusSimulator, CanopenSimulator, Firmware, Inertia, Motor, Node, OdriveCanSimulator,
 };
-use socam_tests::{Ending, Ran, path, record, run, socam_host};
+use socam_tests::{Ending, Ran, assert_follows, path, record, run, socam_host};
 
 /// A sine that reaches 10 rad/s, for 3 s.
 const PROFILE: &str = "schema = \"socam.profile/1\"\ncommand = \"speed\"\nshape = \"sine\"\namplitude_rad_s = 10\nfrequency_Hz = 1\n\
@@ -109,11 +109,7 @@ fn an_odrive_on_a_bus_follows_a_profile_once_it_is_armed() {
         assert!(bench.bus.lock().unwrap().adapter.commands.is_empty());
         let ran = bench.record("odrive+", 3, &[&armed[..], &["--arm", "--rate", "200"]].concat());
         assert!(ran.code == Some(0) && ran.stdout.contains("\"end\": \"finished\""), "{ran:?}");
-        let data = bench.recorded().load(&["command", "speed"]).unwrap();
-        let [command, speed] = [0, 1].map(|column: usize| data.columns[column].values());
-        let far =
-            command.iter().zip(speed).filter(|(command, speed)| (*command - *speed).abs() > 4.0).count();
-        assert!(command.iter().any(|value| *value > 9.8) && far * 20 < command.len(), "{far}");
+        assert_follows(&bench.recorded());
         let bus = bench.bus.lock().unwrap();
         assert_eq!((bus.node.state, bus.node.error), (1, 0));
     });
@@ -234,11 +230,7 @@ fn a_drive_with_canopen_whose_list_marks_it_follows_a_profile_once_it_is_armed()
         assert!(bench.bus.lock().unwrap().adapter.commands.is_empty());
         let ran = run(bench.arguments().into_iter().chain(["--arm".into()]));
         assert!(ran.code == Some(0) && ran.stdout.contains("\"end\": \"finished\""), "{ran:?}");
-        let data = bench.recorded().load(&["command", "speed"]).unwrap();
-        let [command, speed] = [0, 1].map(|column: usize| data.columns[column].values());
-        let far =
-            command.iter().zip(speed).filter(|(command, speed)| (*command - *speed).abs() > 4.0).count();
-        assert!(command.iter().any(|value| *value > 9.8) && far * 20 < command.len(), "{far}");
+        assert_follows(&bench.recorded());
         let bus = bench.bus.lock().unwrap();
         assert_eq!([bus.node.setting(0x607f, 0), bus.node.setting(0x1016, 1)], [30_000, 0]);
         assert_eq!(bus.node.status & 0x6f, 0x40);

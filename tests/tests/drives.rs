@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use serialport::{SerialPort, TTYPort};
 use socam_recording::Dataset;
 use socam_sources::simulators::{Inertia, Mishap, MoteusSimulator, Motor};
-use socam_tests::{Ending, Ran, path, run, socam_host};
+use socam_tests::{Ending, Ran, assert_follows, path, run, socam_host};
 
 /// A sine that reaches 10 rad/s, for 6 s.
 const PROFILE: &str = "schema = \"socam.profile/1\"\ncommand = \"speed\"\nshape = \"sine\"\namplitude_rad_s = 10\nfrequency_Hz = 1\n\
@@ -157,15 +157,7 @@ fn inertia_and_friction() -> [Option<f64>; 2] {
                 && ran.stderr.contains("it coasts, and a weight falls")
         );
         assert_eq!(bench.drive.lock().unwrap().mode, 0);
-        let data = bench.recorded().load(&["command", "speed"]).unwrap();
-        let [command, speed] = [0, 1].map(|column: usize| data.columns[column].values());
-        let far =
-            command.iter().zip(speed).filter(|(command, speed)| (*command - *speed).abs() > 4.0).count();
-        assert!(
-            command.iter().any(|value| *value > 9.8) && far * 20 < command.len(),
-            "{far} of {}",
-            command.len()
-        );
+        assert_follows(&bench.recorded());
         let info = run(["info", "--json", &bench.path("run.mcap")]).stdout;
         assert!(info.contains("15 rad/s, 0.5 N m") && info.contains("profile.toml"), "{info}");
 
